@@ -1,0 +1,211 @@
+//! The [`Groom`] asset: regions, guides and rows, all of them data.
+//!
+//! All positions and directions are in the model space of the skinned mesh in bind pose (glTF axes: +Y up, +Z forward, +X the
+//! bird's left), in units of `unit` metres. Left and right: data is given for the left half; `mirror` repeats it with x negated
+//! and joint names' `_L` turned into `_R`.
+
+use bevy::{asset::Asset, reflect::Reflect};
+use serde::{Deserialize, Serialize};
+
+/// Where feathers grow on one kind of bird; file `*.groom.ron`.
+#[derive(Asset, Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Groom {
+    /// Format version of the file, [`Groom::VERSION`].
+    pub version: u32,
+    /// Name shown to people.
+    pub name: String,
+    /// Metres per length unit of this file (0.001: millimetres).
+    pub unit: f32,
+    /// The feathers worn: asset paths, relative to this file.
+    pub feathers: Vec<String>,
+    /// Tracts of scattered feathers.
+    pub regions: Vec<Region>,
+    /// Strokes along the lay of the plumage, interpolated over the surface.
+    pub guides: Vec<Guide>,
+    /// Rows of feathers on bones: remiges, rectrices and their coverts.
+    pub rows: Vec<Row>,
+}
+
+impl Groom {
+    /// Version that this crate writes.
+    pub const VERSION: u32 = 1;
+}
+
+/// A value over a tract: from its cranial end (phi 0) to its caudal end (phi 1).
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+pub struct Span(pub f32, pub f32);
+
+impl Span {
+    /// Value at `phi` in 0..1.
+    pub fn at(self, phi: f32) -> f32 {
+        self.0 + (self.1 - self.0) * phi.clamp(0.0, 1.0)
+    }
+}
+
+/// Which part of the skin a region is.
+#[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+pub enum Select {
+    /// Everything.
+    All,
+    /// Triangles whose `TEXCOORD_1.x`, rounded, is this tract number.
+    Tract(u32),
+    /// Triangles whose vertex colour is within the distance of the colour (linear RGB, distance).
+    Color([f32; 3], f32),
+    /// Triangles mostly carried by one of the joints named.
+    Joints(Vec<String>),
+    /// Triangles inside the box (minimum, maximum).
+    Within([f32; 3], [f32; 3]),
+    /// Any of these.
+    Any(#[reflect(ignore)] Vec<Select>),
+    /// All of these.
+    Every(#[reflect(ignore)] Vec<Select>),
+    /// Not this.
+    Not(#[reflect(ignore)] Box<Select>),
+}
+
+/// How a region is filled.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+pub enum Placement {
+    /// Blue noise, denser across the lay.
+    Scatter,
+    /// Staggered rows across the lay: this many.
+    Rows(u32),
+}
+
+/// Spread of the random variation, one standard deviation each.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Jitter {
+    /// Relative length.
+    pub length: f32,
+    /// Relative width.
+    pub width: f32,
+    /// Degrees about the normal.
+    pub yaw: f32,
+    /// Degrees about the rachis.
+    pub roll: f32,
+    /// Degrees of lift.
+    pub lift: f32,
+    /// Hue, degrees.
+    pub hue: f32,
+    /// Value, relative.
+    pub value: f32,
+}
+
+impl Default for Jitter {
+    fn default() -> Self {
+        Self { length: 0.06, width: 0.08, yaw: 3.0, roll: 4.0, lift: 1.0, hue: 2.0, value: 0.06 }
+    }
+}
+
+/// Colour for the tintable parts of a feather's albedo, sRGB, over phi.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+pub struct Tint(pub [f32; 3], pub [f32; 3]);
+
+/// One tract of scattered feathers.
+#[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    /// Name; part of every feather's seed.
+    pub name: String,
+    /// Where on the skin. A region takes only what its predicate selects; regions may overlap (scapulars over the mantle).
+    pub select: Select,
+    /// Feather worn: index into [`Groom::feathers`].
+    pub feather: u16,
+    /// Number of feathers at density 1, both sides of the bird together.
+    pub count: u32,
+    /// How they are placed.
+    pub placement: Placement,
+    /// Visible length of a feather.
+    pub length: Span,
+    /// Width of a feather.
+    pub width: Span,
+    /// Angle of the rachis to the skin at the root, degrees.
+    pub lift: Span,
+    /// Sagitta over width of the cross-section, 0..0.5.
+    pub camber: f32,
+    /// Bend along the rachis, degrees; positive: tip towards the body.
+    pub curl: f32,
+    /// How far the card leaves the skin's curve for its own straight line, 0 (drapes) to 1 (stiff).
+    pub stiffness: f32,
+    /// Layer key: higher lies over lower. Within a region cranial feathers lie over caudal ones.
+    pub layer: f32,
+    /// Segments along and columns across of a card.
+    pub segments: (u8, u8),
+    /// Colour.
+    pub tint: Tint,
+    /// Random variation.
+    #[serde(default)]
+    pub jitter: Jitter,
+}
+
+/// A stroke along the lay, root to tip: at least two points near the skin.
+#[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Guide {
+    /// Points.
+    pub points: Vec<[f32; 3]>,
+    /// Repeat on the other side.
+    #[serde(default)]
+    pub mirror: bool,
+    /// Only for the regions of these names (all when empty).
+    #[serde(default)]
+    pub regions: Vec<String>,
+}
+
+/// One end or bend of a row.
+#[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Station {
+    /// Place along the row, 0..1; stations rise.
+    pub at: f32,
+    /// Root of the feather there.
+    pub root: [f32; 3],
+    /// Direction of the rachis there, root to tip.
+    pub direction: [f32; 3],
+    /// Normal of the front face there.
+    pub normal: [f32; 3],
+    /// Joints that carry the root, with weights.
+    pub ride: Vec<(String, f32)>,
+    /// Joints whose rotation (since bind pose) the feather follows, blended with these weights: this is what fans the row.
+    pub follow: Vec<(String, f32)>,
+}
+
+/// A row of feathers on bones. Feather `i` of `n` stands at `i/(n-1)`, its frame interpolated between the stations.
+#[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row {
+    /// Name; part of every feather's seed.
+    pub name: String,
+    /// Feather worn: index into [`Groom::feathers`].
+    pub feather: u16,
+    /// Length of each feather in order, one side; as many as there are feathers.
+    pub lengths: Vec<f32>,
+    /// Width of the first and the last.
+    pub width: Span,
+    /// Two or more.
+    pub stations: Vec<Station>,
+    /// Repeat on the other side.
+    pub mirror: bool,
+    /// The feather's left vane is the leading one on the left side of the bird (so the mirrored copy swaps its vanes).
+    #[serde(default)]
+    pub handed: bool,
+    /// Angle to the row's plane, degrees.
+    pub lift: Span,
+    /// Sagitta over width, 0..0.5.
+    pub camber: f32,
+    /// Bend along the rachis, degrees; positive: tip towards the body.
+    pub curl: f32,
+    /// Layer key of the first and the last feather.
+    pub layer: Span,
+    /// Distance between the planes of neighbouring feathers along their normal, so that a closed stack never coincides.
+    pub offset: f32,
+    /// Segments along and columns across of a card.
+    pub segments: (u8, u8),
+    /// Colour.
+    pub tint: Tint,
+    /// Random variation.
+    #[serde(default)]
+    pub jitter: Jitter,
+}

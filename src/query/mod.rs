@@ -1,0 +1,1 @@
+//! Coverage of a pixel footprint by rachis, barbs and barbules. Pure maths: no app, no GPU.
