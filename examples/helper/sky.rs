@@ -7,7 +7,6 @@ use bevy::{
         Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
     },
 };
-use half::f16;
 
 /// Radiance of the sky, relative units: blue above, a bright hazy horizon, a warm ground, a soft window of light.
 pub fn radiance(direction: Vec3) -> Vec3 {
@@ -51,6 +50,14 @@ fn filtered(direction: Vec3, exponent: f32, samples: &[(Vec3, Vec3)]) -> Vec3 {
     sum / weight
 }
 
+/// The bits of a 16-bit float; for values from 0 to 65,000, truncated.
+fn half_float(value: f32) -> u16 {
+    match value {
+        v if v < 6.2e-5 => 0,
+        v => ((v.min(65_000.0).to_bits() >> 13) - (112 << 10)) as u16,
+    }
+}
+
 fn cube(size: u32, levels: u32, color: impl Fn(Vec3, u32) -> Vec3) -> Image {
     let mut data = Vec::new();
     for face in 0..6 {
@@ -60,7 +67,7 @@ fn cube(size: u32, levels: u32, color: impl Fn(Vec3, u32) -> Vec3) -> Image {
                 for x in 0..side {
                     let c = color(texel(face, x, y, side), level);
                     for value in [c.x, c.y, c.z, 1.0] {
-                        data.extend(f16::from_f32(value).to_le_bytes());
+                        data.extend(half_float(value).to_le_bytes());
                     }
                 }
             }

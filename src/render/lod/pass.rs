@@ -6,7 +6,7 @@ use bevy::{
     pbr::{SkinUniforms, MeshMaterial3d},
     prelude::*,
     render::{
-        Extract, ExtractSchedule,
+        Extract,
         camera::ExtractedCamera,
         diagnostic::RecordDiagnostics,
         render_asset::RenderAssets,
