@@ -5,8 +5,19 @@ use rand_pcg::Pcg64Mcg;
 use std::f64::consts::PI;
 
 fn fibres() -> [Fibre; 4] {
-    let structural = |core_radius| Fibre { kind: FibreKind::Structural { core_radius }, ..Fibre::default() };
-    [Fibre::default(), structural(0.8), structural(0.5), Fibre { longitudinal_roughness: 0.4, ..structural(0.0) }]
+    let structural = |core_radius| Fibre {
+        kind: FibreKind::Structural { core_radius },
+        ..Fibre::default()
+    };
+    [
+        Fibre::default(),
+        structural(0.8),
+        structural(0.5),
+        Fibre {
+            longitudinal_roughness: 0.4,
+            ..structural(0.0)
+        },
+    ]
 }
 
 fn unit(a: [f64; 3]) -> [f64; 3] {
@@ -14,7 +25,13 @@ fn unit(a: [f64; 3]) -> [f64; 3] {
     a.map(|x| x / l)
 }
 
-fn prepare(fibre: &Fibre, tangent: [f64; 3], normal: [f64; 3], omega_o: [f64; 3], albedo: [f64; 3]) -> FibreShading<f64> {
+fn prepare(
+    fibre: &Fibre,
+    tangent: [f64; 3],
+    normal: [f64; 3],
+    omega_o: [f64; 3],
+    albedo: [f64; 3],
+) -> FibreShading<f64> {
     let table = FibreTable::build(fibre);
     let o = fibre_local(tangent, normal, omega_o);
     let cos = (o[1] * o[1] + o[2] * o[2]).sqrt();
@@ -22,7 +39,12 @@ fn prepare(fibre: &Fibre, tangent: [f64; 3], normal: [f64; 3], omega_o: [f64; 3]
 }
 
 /// The four parts on a card whose normal is +z, tangents fanned out in its plane.
-fn parts(omega_o: [f64; 3], weights: [f64; 4], coverage: [f64; 4], white: bool) -> [FeatherPart<f64>; 4] {
+fn parts(
+    omega_o: [f64; 3],
+    weights: [f64; 4],
+    coverage: [f64; 4],
+    white: bool,
+) -> [FeatherPart<f64>; 4] {
     let normal = [0.0, 0.0, 1.0];
     let list = fibres();
     std::array::from_fn(|i| {
@@ -36,7 +58,12 @@ fn parts(omega_o: [f64; 3], weights: [f64; 4], coverage: [f64; 4], white: bool) 
             shading.energy = row[0].map(|e| [e; 3]);
             shading.dense = [0.0; 3];
         }
-        FeatherPart { weight: weights[i], coverage: coverage[i], tangent, shading }
+        FeatherPart {
+            weight: weights[i],
+            coverage: coverage[i],
+            tangent,
+            shading,
+        }
     })
 }
 
@@ -55,12 +82,26 @@ fn sphere(count: usize) -> impl Iterator<Item = [f64; 3]> {
 fn a_white_feather_passes_the_furnace() {
     let mut worst: f64 = 0.0;
     for (weights, through) in [([0.1, 0.3, 0.4, 0.2], 0.0), ([0.0, 0.25, 0.25, 0.1], 0.4)] {
-        for o in [[0.0, 0.0, 1.0], [0.5, 0.1, 0.6], [-0.9, 0.3, 0.15], [0.3, 0.3, -0.8]] {
+        for o in [
+            [0.0, 0.0, 1.0],
+            [0.5, 0.1, 0.6],
+            [-0.9, 0.3, 0.15],
+            [0.3, 0.3, -0.8],
+        ] {
             let p = parts(unit(o), weights, [0.0; 4], true);
             let n = 60_000;
-            let sum: f64 = sphere(n).map(|i| feather_bsdf(&p, [0.0, 0.0, 1.0], i)[1]).sum::<f64>() * 4.0 * PI / n as f64;
+            let sum: f64 = sphere(n)
+                .map(|i| feather_bsdf(&p, [0.0, 0.0, 1.0], i)[1])
+                .sum::<f64>()
+                * 4.0
+                * PI
+                / n as f64;
             worst = worst.max((sum + through - 1.0).abs());
-            assert!((sum + through - 1.0).abs() < 0.02, "{o:?}: {}", sum + through);
+            assert!(
+                (sum + through - 1.0).abs() < 0.02,
+                "{o:?}: {}",
+                sum + through
+            );
         }
     }
     println!("white furnace of the feather: worst {worst:.4}");
@@ -100,7 +141,14 @@ fn samples_have_the_density_they_claim() {
         for theta in [0.0, 0.7, 1.3_f64] {
             let o = [theta.sin(), 0.6 * theta.cos(), 0.8 * theta.cos()];
             let table = FibreTable::build(&fibre);
-            let s = fibre_shading(&table.fibre(), &table.row(theta.cos()), [0.7, 0.4, 0.2], o, 0.0, 8);
+            let s = fibre_shading(
+                &table.fibre(),
+                &table.row(theta.cos()),
+                [0.7, 0.4, 0.2],
+                o,
+                0.0,
+                8,
+            );
             let albedo: f64 = s.energy.iter().map(|e| e[1]).sum();
             let n = 40_000;
             let (rings, sectors) = (10, 12);
@@ -108,7 +156,9 @@ fn samples_have_the_density_they_claim() {
             let mut mean = 0.0;
             for _ in 0..n {
                 let u = [0; 4].map(|_| uniform(&mut random));
-                let Some(sample) = fibre_sample(&s, u) else { continue };
+                let Some(sample) = fibre_sample(&s, u) else {
+                    continue;
+                };
                 let d = sample.direction;
                 assert!((d.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-9);
                 assert!((fibre_pdf(&s, d) - sample.pdf).abs() <= 1e-9 * sample.pdf);
@@ -117,7 +167,10 @@ fn samples_have_the_density_they_claim() {
                 let sector = ((d[1].atan2(d[2]) + PI) / (2.0 * PI) * sectors as f64) as usize;
                 seen[ring.min(rings - 1) * sectors + sector.min(sectors - 1)] += 1.0;
             }
-            assert!((mean / albedo - 1.0).abs() < 0.01, "{fibre:?} {theta}: {mean} {albedo}");
+            assert!(
+                (mean / albedo - 1.0).abs() < 0.01,
+                "{fibre:?} {theta}: {mean} {albedo}"
+            );
             // Expected counts by integrating the density over each bin.
             let (mut chi, mut freedom, mut total) = (0.0, 0.0, 0.0);
             for ring in 0..rings {
@@ -125,9 +178,14 @@ fn samples_have_the_density_they_claim() {
                     let fine = 16;
                     let mut expected = 0.0;
                     for k in 0..fine * fine {
-                        let x = -1.0 + 2.0 * (ring as f64 + (f64::from(k % fine) + 0.5) / f64::from(fine)) / rings as f64;
+                        let x = -1.0
+                            + 2.0 * (ring as f64 + (f64::from(k % fine) + 0.5) / f64::from(fine))
+                                / rings as f64;
                         let a = -PI
-                            + 2.0 * PI * (sector as f64 + (f64::from(k / fine) + 0.5) / f64::from(fine)) / sectors as f64;
+                            + 2.0
+                                * PI
+                                * (sector as f64 + (f64::from(k / fine) + 0.5) / f64::from(fine))
+                                / sectors as f64;
                         let c = (1.0 - x * x).sqrt();
                         expected += fibre_pdf(&s, [x, c * a.sin(), c * a.cos()]);
                     }
@@ -135,12 +193,16 @@ fn samples_have_the_density_they_claim() {
                     let expected = expected / f64::from(fine * fine) * area;
                     total += expected;
                     if expected * f64::from(n) > 20.0 {
-                        chi += (seen[ring * sectors + sector] - expected * f64::from(n)).powi(2) / (expected * f64::from(n));
+                        chi += (seen[ring * sectors + sector] - expected * f64::from(n)).powi(2)
+                            / (expected * f64::from(n));
                         freedom += 1.0;
                     }
                 }
             }
-            assert!((total - 1.0).abs() < 0.01, "{fibre:?} {theta}: pdf sums to {total}");
+            assert!(
+                (total - 1.0).abs() < 0.01,
+                "{fibre:?} {theta}: pdf sums to {total}"
+            );
             let limit = freedom + 5.0 * (2.0 * f64::sqrt(freedom * 0.5 * 4.0)) * 0.5 + 10.0;
             assert!(chi < limit, "{fibre:?} {theta}: chi2 {chi} of {freedom}");
         }
@@ -150,12 +212,26 @@ fn samples_have_the_density_they_claim() {
 #[test]
 fn sampling_survives_its_edges() {
     let table = FibreTable::build(&Fibre::default());
-    let s = fibre_shading(&table.fibre(), &table.row(0.0), [0.0, 1.0, f64::NAN], [1.0, 0.0, 0.0], 1.0, 8);
+    let s = fibre_shading(
+        &table.fibre(),
+        &table.row(0.0),
+        [0.0, 1.0, f64::NAN],
+        [1.0, 0.0, 0.0],
+        1.0,
+        8,
+    );
     let edge = 1.0 - 0.5_f64.powi(24);
     for a in [0.0, edge, 1.0] {
         for b in [0.0, edge, f64::NAN] {
             if let Some(sample) = fibre_sample(&s, [a, b, a, b]) {
-                assert!(sample.direction.iter().chain(&sample.weight).all(|x| x.is_finite()) && sample.pdf > 0.0);
+                assert!(
+                    sample
+                        .direction
+                        .iter()
+                        .chain(&sample.weight)
+                        .all(|x| x.is_finite())
+                        && sample.pdf > 0.0
+                );
             }
         }
     }
@@ -201,12 +277,22 @@ fn sheen_scatters_exactly_its_albedo() {
                     sum += sheen_evaluate(ltc, n, o, [r * phi.cos(), r * phi.sin(), z]) * dz * dphi;
                 }
             }
-            assert!((sum / ltc[2] - 1.0).abs() < 2e-3, "alpha {alpha} cos {cos}: {sum} against {}", ltc[2]);
+            assert!(
+                (sum / ltc[2] - 1.0).abs() < 2e-3,
+                "alpha {alpha} cos {cos}: {sum} against {}",
+                ltc[2]
+            );
             assert!(sheen_albedo(ltc, 0.3) <= 0.3 && sheen_albedo(ltc, f64::NAN) == 0.0);
         }
     }
     let ltc = sheen_lookup(0.5, 0.5_f64);
-    assert_eq!(sheen_evaluate(ltc, n, [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]), 0.0);
-    assert_eq!(sheen_evaluate(ltc, n, [0.0, 0.0, f64::NAN], [0.0, 0.0, 1.0]), 0.0);
+    assert_eq!(
+        sheen_evaluate(ltc, n, [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]),
+        0.0
+    );
+    assert_eq!(
+        sheen_evaluate(ltc, n, [0.0, 0.0, f64::NAN], [0.0, 0.0, 1.0]),
+        0.0
+    );
     assert!(sheen_evaluate(ltc, n, [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]).is_finite());
 }

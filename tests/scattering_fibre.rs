@@ -10,20 +10,41 @@ use std::f64::consts::{FRAC_PI_2, PI};
 const ANGLES: [f64; 6] = [0.0, 0.4, 0.8, 1.2, 1.45, 1.55];
 
 fn structural(core: f32) -> Fibre {
-    Fibre { kind: FibreKind::Structural { core_radius: core }, ..Fibre::default() }
+    Fibre {
+        kind: FibreKind::Structural { core_radius: core },
+        ..Fibre::default()
+    }
 }
 
 fn pigment(radius: f32, scattering: f32, anisotropy: f32) -> Fibre {
-    Fibre { kind: FibreKind::Pigment { medulla_radius: radius, scattering, anisotropy }, ..Fibre::default() }
+    Fibre {
+        kind: FibreKind::Pigment {
+            medulla_radius: radius,
+            scattering,
+            anisotropy,
+        },
+        ..Fibre::default()
+    }
 }
 
 fn direction(theta: f64, phi: f64) -> [f64; 3] {
-    [theta.sin(), theta.cos() * phi.sin(), theta.cos() * phi.cos()]
+    [
+        theta.sin(),
+        theta.cos() * phi.sin(),
+        theta.cos() * phi.cos(),
+    ]
 }
 
 fn shade(table: &FibreTable, albedo: f64, omega_o: [f64; 3], dark_back: f64) -> FibreShading<f64> {
     let cos = (omega_o[1] * omega_o[1] + omega_o[2] * omega_o[2]).sqrt();
-    fibre_shading(&table.fibre(), &table.row(cos), [albedo; 3], omega_o, dark_back, FIBRE_HARMONICS as u32)
+    fibre_shading(
+        &table.fibre(),
+        &table.row(cos),
+        [albedo; 3],
+        omega_o,
+        dark_back,
+        FIBRE_HARMONICS as u32,
+    )
 }
 
 /// A fibre that absorbs nothing, whatever the albedo's upper limit: 0.995 is as white as an albedo may be.
@@ -72,15 +93,22 @@ fn white_fibres_scatter_exactly_what_they_receive() {
         for tilt in [-0.1, 0.0, 0.1] {
             let kinds = [0.0, 0.3, 0.5, 0.65, 0.8, 0.95].map(structural).into_iter();
             for fibre in kinds.chain([0.5, 2.0, 8.0].map(|tau| pigment(0.85, tau, 0.4))) {
-                let table =
-                    FibreTable::build(&Fibre { longitudinal_roughness: beta, tilt, azimuthal_roughness: 0.3, ..fibre });
+                let table = FibreTable::build(&Fibre {
+                    longitudinal_roughness: beta,
+                    tilt,
+                    azimuthal_roughness: 0.3,
+                    ..fibre
+                });
                 for theta in ANGLES {
                     let o = direction(theta, 0.7);
                     let mut s = shade(&table, 0.9, o, 0.0);
                     whiten(&mut s, &table.row(theta.cos()));
                     let sum = furnace(&s, theta, 32)[0];
                     worst = worst.max((sum - 1.0).abs());
-                    assert!((sum - 1.0).abs() <= 0.002, "{fibre:?} beta {beta} tilt {tilt} theta {theta}: {sum}");
+                    assert!(
+                        (sum - 1.0).abs() <= 0.002,
+                        "{fibre:?} beta {beta} tilt {tilt} theta {theta}: {sum}"
+                    );
                 }
             }
         }
@@ -90,15 +118,29 @@ fn white_fibres_scatter_exactly_what_they_receive() {
 
 #[test]
 fn coloured_fibres_never_gain_energy() {
-    let fibres = [structural(0.0), structural(0.4), structural(0.65), structural(0.9), pigment(0.4, 0.3, 0.8), pigment(0.95, 8.0, 0.0)];
+    let fibres = [
+        structural(0.0),
+        structural(0.4),
+        structural(0.65),
+        structural(0.9),
+        pigment(0.4, 0.3, 0.8),
+        pigment(0.95, 8.0, 0.0),
+    ];
     for fibre in fibres {
         for aspect in [0.2, 0.6, 1.0] {
-            let table = FibreTable::build(&Fibre { aspect, azimuthal_roughness: 0.3, ..fibre });
+            let table = FibreTable::build(&Fibre {
+                aspect,
+                azimuthal_roughness: 0.3,
+                ..fibre
+            });
             for theta in ANGLES {
                 for (phi, dark) in [(0.0, 0.0), (1.3, 1.0), (3.0, 1.0)] {
                     let s = shade(&table, 1.0, direction(theta, phi), dark);
                     for a in furnace(&s, theta, 96) {
-                        assert!(a <= 1.001 && a > 0.0, "{fibre:?} aspect {aspect} theta {theta} phi {phi}: {a}");
+                        assert!(
+                            a <= 1.001 && a > 0.0,
+                            "{fibre:?} aspect {aspect} theta {theta} phi {phi}: {a}"
+                        );
                     }
                 }
             }
@@ -114,7 +156,12 @@ fn lobe_energies_agree_with_traced_rays() {
         for core in [0.0, 0.3, 0.5, 0.65, 0.8, 0.95] {
             for absorption in [0.0, 0.4] {
                 let reflectance = if absorption > 0.0 { 0.7 } else { 1.0 };
-                let traced = TracedFibre { inner: core, mirror: Some(reflectance), absorption, ..TracedFibre::clear(1.55) };
+                let traced = TracedFibre {
+                    inner: core,
+                    mirror: Some(reflectance),
+                    absorption,
+                    ..TracedFibre::clear(1.55)
+                };
                 let truth = traced.energies(theta, 40_000, &mut random);
                 let mut model = [0.0; 4];
                 let n = 20_000;
@@ -128,9 +175,17 @@ fn lobe_energies_agree_with_traced_rays() {
                 }
                 for lobe in 0..4 {
                     let (error, e) = ((model[lobe] - truth[lobe]).abs(), truth[lobe]);
-                    if e > 0.02 { worst.0 = worst.0.max(error / e) } else { worst.1 = worst.1.max(error) }
+                    if e > 0.02 {
+                        worst.0 = worst.0.max(error / e)
+                    } else {
+                        worst.1 = worst.1.max(error)
+                    }
                     let allowed = if e > 0.02 { 0.01 * e } else { 1e-3 };
-                    assert!(error <= allowed, "theta {theta} core {core} lobe {lobe}: {} against {e}", model[lobe]);
+                    assert!(
+                        error <= allowed,
+                        "theta {theta} core {core} lobe {lobe}: {} against {e}",
+                        model[lobe]
+                    );
                 }
                 if core * 1.55 >= 1.0 && absorption == 0.0 {
                     assert_eq!(model[1] + model[2], 0.0);
@@ -141,7 +196,10 @@ fn lobe_energies_agree_with_traced_rays() {
             }
         }
     }
-    println!("lobe energies: worst relative {:.2e}, worst of weak lobes {:.2e}", worst.0, worst.1);
+    println!(
+        "lobe energies: worst relative {:.2e}, worst of weak lobes {:.2e}",
+        worst.0, worst.1
+    );
 }
 
 #[test]
@@ -149,22 +207,32 @@ fn exit_angles_agree_with_traced_rays() {
     let mut random = Pcg64Mcg::new(1);
     for theta in [0.0, 0.6, 1.2_f64] {
         for core in [0.3, 0.8] {
-            let traced = TracedFibre { inner: core, mirror: Some(1.0), ..TracedFibre::clear(1.55) };
+            let traced = TracedFibre {
+                inner: core,
+                mirror: Some(1.0),
+                ..TracedFibre::clear(1.55)
+            };
             for i in 0..50 {
                 let h = -0.99 + 1.98 * i as f64 / 49.0;
                 let c = crossing(1.55, theta.cos(), h);
                 let mut seen = [false; 4];
                 traced.trace(theta, 0.0, h, &mut random, |e| {
                     // Only the first of each closed series has the lobe's direction.
-                    let first = e.history.inner_reflections <= u32::from(e.history.lobe() == 2) && e.history.core_reflections <= 1;
+                    let first = e.history.inner_reflections <= u32::from(e.history.lobe() == 2)
+                        && e.history.core_reflections <= 1;
                     let lobe = e.history.lobe();
                     if !first || seen[lobe] {
                         return;
                     }
                     seen[lobe] = true;
-                    let expected = exit_angle([Lobe::R, Lobe::TT, Lobe::TRT, Lobe::TRcT][lobe], &c, core);
+                    let expected =
+                        exit_angle([Lobe::R, Lobe::TT, Lobe::TRT, Lobe::TRcT][lobe], &c, core);
                     let d = (e.azimuth(0.0) - expected) / (2.0 * PI);
-                    assert!((d - d.round()).abs() < 1e-7, "lobe {lobe} h {h}: {} against {expected}", e.azimuth(0.0));
+                    assert!(
+                        (d - d.round()).abs() < 1e-7,
+                        "lobe {lobe} h {h}: {} against {expected}",
+                        e.azimuth(0.0)
+                    );
                     assert!((e.direction[0] + theta.sin()).abs() < 1e-9);
                 });
                 assert!(seen[0] && (seen[3] || seen[1]));
@@ -198,11 +266,21 @@ fn longitudinal_lobe_is_normalised() {
                     let light = t.sin_cos();
                     let m = longitudinal(eye, light, beta);
                     sum += m * t.cos() * weight * half;
-                    let single = longitudinal((eye.0 as f32, eye.1 as f32), (light.0 as f32, light.1 as f32), beta as f32);
-                    assert!((f64::from(single) - m).abs() <= 4e-5 / (beta * beta), "beta {beta}: {single} {m}");
+                    let single = longitudinal(
+                        (eye.0 as f32, eye.1 as f32),
+                        (light.0 as f32, light.1 as f32),
+                        beta as f32,
+                    );
+                    assert!(
+                        (f64::from(single) - m).abs() <= 4e-5 / (beta * beta),
+                        "beta {beta}: {single} {m}"
+                    );
                 }
             }
-            assert!((sum - 1.0).abs() < 1e-5, "beta {beta} theta_o {theta_o}: {sum}");
+            assert!(
+                (sum - 1.0).abs() < 1e-5,
+                "beta {beta} theta_o {theta_o}: {sum}"
+            );
         }
     }
 }
@@ -213,8 +291,15 @@ fn scaled_bessel_function_is_accurate() {
         let x = 1e-3 * 1.035_f64.powi(i);
         // Bessel's integral, exp(-x) I0(x) = mean of exp(x (cos t - 1)).
         let n = 20_000;
-        let exact = (0..n).map(|k| (x * ((PI * (f64::from(k) + 0.5) / f64::from(n)).cos() - 1.0)).exp()).sum::<f64>() / f64::from(n);
-        assert!((i0e(x) / exact - 1.0).abs() < 1e-6, "{x}: {} {exact}", i0e(x));
+        let exact = (0..n)
+            .map(|k| (x * ((PI * (f64::from(k) + 0.5) / f64::from(n)).cos() - 1.0)).exp())
+            .sum::<f64>()
+            / f64::from(n);
+        assert!(
+            (i0e(x) / exact - 1.0).abs() < 1e-6,
+            "{x}: {} {exact}",
+            i0e(x)
+        );
     }
 }
 
@@ -226,13 +311,19 @@ fn dense_azimuth(core: f64, cos_theta: f64, absorption: f64, beta: f64, phi: f64
         let gamma = -FRAC_PI_2 + PI * (i as f64 + 0.5) / n as f64;
         let c = crossing(1.55, cos_theta, gamma.sin());
         let a = attenuation(&c, Some((core, 1.0)), (0.0, 0.0), absorption);
-        for (lobe, kind) in [Lobe::R, Lobe::TT, Lobe::TRT, Lobe::TRcT].into_iter().enumerate() {
+        for (lobe, kind) in [Lobe::R, Lobe::TT, Lobe::TRT, Lobe::TRcT]
+            .into_iter()
+            .enumerate()
+        {
             if a[lobe] == 0.0 {
                 continue;
             }
             let x = (phi - exit_angle(kind, &c, core)).rem_euclid(2.0 * PI);
-            let d: f64 = (-2..=2).map(|k| (-((x + 2.0 * PI * f64::from(k)) / beta).powi(2) / 2.0).exp()).sum();
-            sum[lobe] += a[lobe] * d / ((2.0 * PI).sqrt() * beta) * 0.5 * gamma.cos() * PI / n as f64;
+            let d: f64 = (-2..=2)
+                .map(|k| (-((x + 2.0 * PI * f64::from(k)) / beta).powi(2) / 2.0).exp())
+                .sum();
+            sum[lobe] +=
+                a[lobe] * d / ((2.0 * PI).sqrt() * beta) * 0.5 * gamma.cos() * PI / n as f64;
         }
     }
     sum
@@ -241,20 +332,37 @@ fn dense_azimuth(core: f64, cos_theta: f64, absorption: f64, beta: f64, phi: f64
 #[test]
 fn series_agrees_with_dense_quadrature() {
     let mut errors = Vec::new();
-    for (core, theta) in [(0.0, 0.1), (0.0, 1.0), (0.3, 0.5), (0.5, 0.9), (0.65, 0.3), (0.8, 1.2), (0.95, 0.0_f64)] {
+    for (core, theta) in [
+        (0.0, 0.1),
+        (0.0, 1.0),
+        (0.3, 0.5),
+        (0.5, 0.9),
+        (0.65, 0.3),
+        (0.8, 1.2),
+        (0.95, 0.0_f64),
+    ] {
         for (beta, sigma) in [(0.2, 0.0), (0.3, 0.5), (0.45, 2.0), (0.4, 0.2)] {
-            let table = FibreTable::build(&Fibre { azimuthal_roughness: beta as f32, ..structural(core as f32) });
+            let table = FibreTable::build(&Fibre {
+                azimuthal_roughness: beta as f32,
+                ..structural(core as f32)
+            });
             let mut s = shade(&table, 0.5, direction(theta, 0.0), 0.0);
             let row = table.row(theta.cos());
             s.dense = [(2.0 * sigma / (2.0 + sigma)); 3];
-            let scale = |lobe: usize| row[0][lobe] * gamma_transmittance(row[1][2 * lobe - 2], row[1][2 * lobe - 1], sigma);
+            let scale = |lobe: usize| {
+                row[0][lobe]
+                    * gamma_transmittance(row[1][2 * lobe - 2], row[1][2 * lobe - 1], sigma)
+            };
             let (energy_tt, energy_trt) = (scale(1), scale(2));
             let steps = 90;
             let mut error = 0.0;
             for i in 0..steps {
                 let phi = PI * (f64::from(i) + 0.5) / f64::from(steps);
                 let truth = dense_azimuth(core, theta.cos(), sigma, beta, phi);
-                let (clear, dense) = (azimuthal(&s.series[1], phi.cos()), azimuthal(&s.series[2], phi.cos()));
+                let (clear, dense) = (
+                    azimuthal(&s.series[1], phi.cos()),
+                    azimuthal(&s.series[2], phi.cos()),
+                );
                 let model = row[0][0] * azimuthal(&s.series[0], phi.cos())
                     + energy_tt * (clear + (dense - clear) * s.dense[0])
                     + energy_trt * azimuthal(&s.series[3], phi.cos());
@@ -268,11 +376,17 @@ fn series_agrees_with_dense_quadrature() {
                 error += 2.0 * (model - judged).abs() * PI / f64::from(steps);
             }
             errors.push(error);
-            assert!(error <= 0.03, "core {core} theta {theta} beta {beta} sigma {sigma}: L1 {error}");
+            assert!(
+                error <= 0.03,
+                "core {core} theta {theta} beta {beta} sigma {sigma}: L1 {error}"
+            );
         }
     }
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-    println!("series: L1 mean {mean:.4}, worst {:.4}", errors.iter().fold(0.0, |a: f64, &b| a.max(b)));
+    println!(
+        "series: L1 mean {mean:.4}, worst {:.4}",
+        errors.iter().fold(0.0, |a: f64, &b| a.max(b))
+    );
     assert!(mean <= 0.012, "{mean}");
 }
 
@@ -315,7 +429,12 @@ fn medulla_agrees_with_traced_paths() {
         (0.7, 4.0, 0.0, 1.1_f64),
         (0.5, 8.0, 0.6, 0.2),
     ] {
-        let traced = TracedFibre { inner: kappa, scattering: tau / kappa, anisotropy: g, ..TracedFibre::clear(1.55) };
+        let traced = TracedFibre {
+            inner: kappa,
+            scattering: tau / kappa,
+            anisotropy: g,
+            ..TracedFibre::clear(1.55)
+        };
         let table = FibreTable::build(&pigment(kappa as f32, tau as f32, g as f32));
         let row = table.row(theta.cos());
         let (count, rings, sectors) = (60_000, 12, 16);
@@ -323,18 +442,35 @@ fn medulla_agrees_with_traced_paths() {
         let mut energies = [0.0; 5];
         for i in 0..count {
             let h = 2.0 * (i as f64 + uniform(&mut random)) / count as f64 - 1.0;
-            traced.trace(theta, 0.0, h.clamp(-0.999_999, 0.999_999), &mut random, |e| {
-                energies[e.history.lobe()] += e.weight / count as f64;
-                if e.history.lobe() == 4 {
-                    let ring = ((e.direction[0] + 1.0) * 0.5 * rings as f64) as usize;
-                    let sector = ((e.azimuth(0.0) + PI) / (2.0 * PI) * sectors as f64) as usize;
-                    bins[ring.min(rings - 1) * sectors + sector.min(sectors - 1)] += e.weight / count as f64;
-                }
-            });
+            traced.trace(
+                theta,
+                0.0,
+                h.clamp(-0.999_999, 0.999_999),
+                &mut random,
+                |e| {
+                    energies[e.history.lobe()] += e.weight / count as f64;
+                    if e.history.lobe() == 4 {
+                        let ring = ((e.direction[0] + 1.0) * 0.5 * rings as f64) as usize;
+                        let sector = ((e.azimuth(0.0) + PI) / (2.0 * PI) * sectors as f64) as usize;
+                        bins[ring.min(rings - 1) * sectors + sector.min(sectors - 1)] +=
+                            e.weight / count as f64;
+                    }
+                },
+            );
         }
-        assert!((row[0][3] - energies[4]).abs() < 0.006, "energy {} against {}", row[0][3], energies[4]);
+        assert!(
+            (row[0][3] - energies[4]).abs() < 0.006,
+            "energy {} against {}",
+            row[0][3],
+            energies[4]
+        );
         for lobe in 0..3 {
-            assert!((row[0][lobe] - energies[lobe]).abs() < 0.004, "lobe {lobe} {} {}", row[0][lobe], energies[lobe]);
+            assert!(
+                (row[0][lobe] - energies[lobe]).abs() < 0.004,
+                "lobe {lobe} {} {}",
+                row[0][lobe],
+                energies[lobe]
+            );
         }
         // Only the medulla's lobe, integrated over each bin.
         let mut s = shade(&table, 0.9, direction(theta, 0.0), 0.0);
@@ -347,8 +483,11 @@ fn medulla_agrees_with_traced_paths() {
             for sector in 0..sectors {
                 let mut model = 0.0;
                 for k in 0..16 {
-                    let x: f64 = -1.0 + 2.0 * (ring as f64 + (f64::from(k % 4) + 0.5) / 4.0) / rings as f64;
-                    let phi = -PI + 2.0 * PI * (sector as f64 + (f64::from(k / 4) + 0.5) / 4.0) / sectors as f64;
+                    let x: f64 =
+                        -1.0 + 2.0 * (ring as f64 + (f64::from(k % 4) + 0.5) / 4.0) / rings as f64;
+                    let phi = -PI
+                        + 2.0 * PI * (sector as f64 + (f64::from(k / 4) + 0.5) / 4.0)
+                            / sectors as f64;
                     model += fibre_evaluate(&s, direction(x.asin(), phi))[0];
                 }
                 model *= 2.0 / rings as f64 * 2.0 * PI / sectors as f64 / 16.0;
@@ -369,13 +508,22 @@ fn flat_fibres_agree_with_traced_ellipses() {
     let bins = 60;
     for aspect in [0.6, 0.4] {
         for eye in [0.0, 0.7] {
-            let traced =
-                TracedFibre { aspect, inner: 0.8, mirror: Some(1.0), normal_spread: 0.1, ..TracedFibre::clear(1.55) };
+            let traced = TracedFibre {
+                aspect,
+                inner: 0.8,
+                mirror: Some(1.0),
+                normal_spread: 0.1,
+                ..TracedFibre::clear(1.55)
+            };
             let histogram = traced.histogram(0.0, eye, 60_000, bins, &mut random);
             for lobe in [0, 3] {
                 let truth: f64 = histogram[lobe].iter().sum();
                 let errors = [aspect, 1.0].map(|used| {
-                    let fibre = Fibre { aspect: used as f32, azimuthal_roughness: 0.2, ..structural(0.8) };
+                    let fibre = Fibre {
+                        aspect: used as f32,
+                        azimuthal_roughness: 0.2,
+                        ..structural(0.8)
+                    };
                     let mut s = shade(&FibreTable::build(&fibre), 0.995, direction(0.0, eye), 0.0);
                     for other in (0..4).filter(|l| *l != lobe) {
                         s.energy[other] = [0.0; 3];
@@ -385,10 +533,20 @@ fn flat_fibres_agree_with_traced_ellipses() {
                         .map(|phi| fibre_evaluate(&s, direction(0.0, phi))[0])
                         .collect();
                     let sum: f64 = model.iter().sum();
-                    model.iter().zip(&histogram[lobe]).map(|(m, t)| (m / sum - t / truth).abs()).sum::<f64>()
+                    model
+                        .iter()
+                        .zip(&histogram[lobe])
+                        .map(|(m, t)| (m / sum - t / truth).abs())
+                        .sum::<f64>()
                 });
-                println!("flat lobe {lobe} aspect {aspect} eye {eye}: L1 {:.3}, as a circle {:.3}", errors[0], errors[1]);
-                assert!(errors[0] < 0.35 && errors[0] < 0.85 * errors[1], "{errors:?}");
+                println!(
+                    "flat lobe {lobe} aspect {aspect} eye {eye}: L1 {:.3}, as a circle {:.3}",
+                    errors[0], errors[1]
+                );
+                assert!(
+                    errors[0] < 0.35 && errors[0] < 0.85 * errors[1],
+                    "{errors:?}"
+                );
             }
         }
     }
@@ -399,10 +557,19 @@ fn the_warp_of_flat_fibres_keeps_their_energy() {
     for aspect in [0.2, 0.4, 0.6, 0.9985, 1.0] {
         for eye in [0.0, 0.5, 1.2, FRAC_PI_2, 2.5] {
             let round = FibreTable::build(&structural(0.5));
-            let flat = FibreTable::build(&Fibre { aspect, ..structural(0.5) });
+            let flat = FibreTable::build(&Fibre {
+                aspect,
+                ..structural(0.5)
+            });
             let o = direction(0.4, eye);
-            let (a, b) = (furnace(&shade(&round, 0.9, o, 0.0), 0.4, 720)[0], furnace(&shade(&flat, 0.9, o, 0.0), 0.4, 720)[0]);
-            assert!((a - b).abs() < 2e-3, "aspect {aspect} eye {eye}: {b} against {a}");
+            let (a, b) = (
+                furnace(&shade(&round, 0.9, o, 0.0), 0.4, 720)[0],
+                furnace(&shade(&flat, 0.9, o, 0.0), 0.4, 720)[0],
+            );
+            assert!(
+                (a - b).abs() < 2e-3,
+                "aspect {aspect} eye {eye}: {b} against {a}"
+            );
         }
     }
 }
@@ -418,7 +585,12 @@ fn the_back_of_a_one_sided_core_is_dark() {
 
 #[test]
 fn energy_split_sums_to_the_albedo() {
-    for fibre in [structural(0.5), structural(0.8), pigment(0.85, 2.0, 0.4), pigment(0.5, 1.0, 0.8)] {
+    for fibre in [
+        structural(0.5),
+        structural(0.8),
+        pigment(0.85, 2.0, 0.4),
+        pigment(0.5, 1.0, 0.8),
+    ] {
         let table = FibreTable::build(&fibre);
         for theta in ANGLES {
             let s = shade(&table, 0.6, direction(theta, 0.0), 0.0);
@@ -436,13 +608,30 @@ fn nothing_is_nan_at_the_edges() {
     let angles = [-FRAC_PI_2, -1.0, 0.0, 1e-8, 1.0, FRAC_PI_2];
     let turns = [-PI, -FRAC_PI_2, 0.0, 1e-9, FRAC_PI_2, PI];
     let mut fibres = Vec::new();
-    for core in [0.0, 0.3, 1.0 / 1.55, 1.0 / 1.55 - 1e-7, 0.999_999, 1.0, f32::NAN] {
+    for core in [
+        0.0,
+        0.3,
+        1.0 / 1.55,
+        1.0 / 1.55 - 1e-7,
+        0.999_999,
+        1.0,
+        f32::NAN,
+    ] {
         fibres.push(structural(core));
     }
-    fibres.extend([pigment(0.0, 0.0, 0.0), pigment(1.0, 1e9, 1.0), pigment(f32::NAN, f32::NAN, f32::NAN)]);
+    fibres.extend([
+        pigment(0.0, 0.0, 0.0),
+        pigment(1.0, 1e9, 1.0),
+        pigment(f32::NAN, f32::NAN, f32::NAN),
+    ]);
     for fibre in fibres {
         for (beta, aspect) in [(0.01, 1.0), (1.0, 0.2), (0.2, 0.6), (f32::NAN, f32::NAN)] {
-            let table = FibreTable::build(&Fibre { longitudinal_roughness: beta, azimuthal_roughness: beta, aspect, ..fibre });
+            let table = FibreTable::build(&Fibre {
+                longitudinal_roughness: beta,
+                azimuthal_roughness: beta,
+                aspect,
+                ..fibre
+            });
             for albedo in [0.0, 1.0, 1e9, f64::NAN] {
                 for theta_o in angles {
                     for phi_o in turns {
@@ -450,7 +639,10 @@ fn nothing_is_nan_at_the_edges() {
                         for theta_i in angles {
                             for phi_i in turns {
                                 let k = fibre_evaluate(&s, direction(theta_i, phi_i));
-                                assert!(k.iter().all(|k| k.is_finite() && *k >= 0.0), "{fibre:?} {beta} {theta_o} {phi_o} {k:?}");
+                                assert!(
+                                    k.iter().all(|k| k.is_finite() && *k >= 0.0),
+                                    "{fibre:?} {beta} {theta_o} {phi_o} {k:?}"
+                                );
                             }
                         }
                     }
@@ -463,13 +655,25 @@ fn nothing_is_nan_at_the_edges() {
             let c = crossing(1.55, cos, h);
             for core in [None, Some((0.0, 1.0)), Some((1.0, 1.0)), Some((0.6, 0.0))] {
                 for sigma in [0.0, 100.0] {
-                    assert!(attenuation(&c, core, (0.5, 1.0), sigma).iter().all(|a| (0.0..=1.0).contains(a)));
+                    assert!(
+                        attenuation(&c, core, (0.5, 1.0), sigma)
+                            .iter()
+                            .all(|a| (0.0..=1.0).contains(a))
+                    );
                 }
             }
         }
     }
-    assert!(fibre_local([0.0; 3], [0.0; 3], [0.0, 0.0, 1.0]).iter().all(|x: &f64| x.is_finite()));
-    assert!(fibre_local([0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]).iter().all(|x: &f64| x.is_finite()));
+    assert!(
+        fibre_local([0.0; 3], [0.0; 3], [0.0, 0.0, 1.0])
+            .iter()
+            .all(|x: &f64| x.is_finite())
+    );
+    assert!(
+        fibre_local([0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0])
+            .iter()
+            .all(|x: &f64| x.is_finite())
+    );
 }
 
 #[test]
