@@ -272,15 +272,13 @@ pub fn fibre_evaluate<T: Float>(s: &FibreShading<T>, omega_i: [T; 3]) -> [T; 3] 
             + two * s.medulla[1] * (two * cos_phi * cos_phi - one);
         f.max(zero) * norm * light.1 * (two / pi) * (one + s.medulla[2] * light.0).max(zero)
     };
-    let mut k = [zero; 3];
-    for c in 0..3 {
+    std::array::from_fn(|c| {
         let tt = (clear + (dense - clear) * s.dense[c]).max(zero) * through;
-        k[c] = s.energy[0][c] * reflected
+        s.energy[0][c] * reflected
             + s.energy[1][c] * tt
             + s.energy[2][c] * inner
-            + s.energy[3][c] * fourth;
-    }
-    k
+            + s.energy[3][c] * fourth
+    })
 }
 
 fn sq<T: Float>(x: T) -> T {

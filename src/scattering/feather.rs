@@ -27,8 +27,7 @@ pub fn feather_bsdf<T: Float>(
 ) -> [T; 3] {
     let mut sum = [T::zero(); 3];
     for part in parts {
-        // False for NaN too.
-        if !(part.weight > T::zero()) {
+        if part.weight.is_nan() || part.weight <= T::zero() {
             continue;
         }
         let local = fibre_local(part.tangent, normal, omega_i);
