@@ -99,7 +99,7 @@ impl<'a> Body<'a> {
         let p = Vec3::new(p.x.abs(), p.y, p.z);
         let parts = self.parts(p);
         let [k, k_tarsus, k_wing] = self.species.blend;
-        let mut d = smooth_min(parts.trunk.distance, parts.head.distance, k);
+        let mut d = smooth_min(parts.trunk.distance, parts.head.distance, 1.5 * k);
         if self.species.feathered_tarsus {
             // The brow ridge, which gives the eagle its scowl.
             let eye = self.species.joint("eye_L");
@@ -111,8 +111,7 @@ impl<'a> Body<'a> {
             );
             d = smooth_min(d, ridge.0, 4.0);
         }
-        d = smooth_min(d, parts.legs[0].0, k);
-        d = smooth_min(d, parts.legs[1].0, k);
+        d = smooth_min(d, smooth_min(parts.legs[0].0, parts.legs[1].0, k), 1.4 * k);
         if self.species.feathered_tarsus {
             d = smooth_min(d, parts.legs[2].0, k_tarsus);
         }

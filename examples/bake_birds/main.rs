@@ -4,6 +4,7 @@
 //! `cargo run --example bake_birds -- --out assets --preview /tmp/preview`
 
 mod body;
+mod clip;
 mod glb;
 mod idle;
 mod loft;

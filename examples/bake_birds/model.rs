@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::body::Body;
+use crate::clip;
 use crate::nets;
 use crate::parts::{self, Primitive, Vertex};
 use crate::skeleton::Skeleton;
@@ -36,7 +37,8 @@ pub struct Model {
 pub fn build(species: &Species) -> Model {
     let body = Body::new(species);
     let skeleton = Skeleton::new(species, &parts::toe_joints(species));
-    let surface = nets::polygonise(&body);
+    let mut surface = nets::polygonise(&body);
+    let tracts = clip::clip(&body, &mut surface);
     let open_edges = open_edges(&surface.triangles);
     let bindings = weights::bind(&body, &skeleton, &surface);
     let normals: Vec<_> = surface.points.iter().map(|p| body.normal(*p)).collect();
@@ -44,9 +46,7 @@ pub fn build(species: &Species) -> Model {
     // One tract per triangle; vertices on a border are doubled, so that tract and phi never interpolate across it.
     let mut skin = Primitive::default();
     let mut split: BTreeMap<(u32, Tract), u32> = BTreeMap::new();
-    for t in &surface.triangles {
-        let centre = t.iter().map(|i| surface.points[*i as usize]).sum::<bevy::math::Vec3>() / 3.0;
-        let tract = tract::classify(&body, centre);
+    for (t, &tract) in surface.triangles.iter().zip(&tracts) {
         let triangle = t.map(|i| {
             *split.entry((i, tract)).or_insert_with(|| {
                 let p = surface.points[i as usize];

@@ -153,7 +153,7 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
     let [base, tip, lower, cere] = b.colors.map(linear);
     let [drop, straight, radius, turn, power] = b.upper_curve;
     let length = straight + radius * turn.to_radians();
-    let n = 24;
+    let n = 48;
     let mut centre = Vec3::new(0.0, b.upper_at[0], b.upper_at[1]);
     let mut previous = 0.0;
     let heading = |u: f32| -(drop.to_radians() + ((u - straight) / radius).max(0.0));
@@ -187,7 +187,7 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
     }
     let count = rings.len() as f32;
     let nostril = if parrot { (0.05, 0.62) } else { (0.16, 0.8) };
-    out.tube(&rings, 24, |i, a, c| {
+    out.tube(&rings, 48, |i, a, c| {
         let f = i as f32 / (count - 1.0);
         let dark = linear(0x1F1C1A);
         let side = a.sin().abs();
@@ -201,15 +201,19 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
 
     let [h, w, len] = b.lower_base;
     let joint = skeleton.index("jaw");
-    let rings: Vec<Ring> = (0..14)
+    let rings: Vec<Ring> = (-3..14)
         .map(|i| {
-            let f = i as f32 / 13.0;
+            // The first rings close the base inside the head.
+            let hidden = (-i).max(0) as f32 / 3.0;
+            let inside = (1.0 - hidden * hidden).max(0.02).sqrt();
+            let back = 0.45 * len * hidden;
+            let f = i.max(0) as f32 / 13.0;
             let drop = b.lower_axis[0] * f + b.lower_axis[1] * f * f;
             let shrink = if parrot { [0.75, 0.45] } else { [0.8, 0.75] };
             Ring {
-                centre: Vec3::new(0.0, b.lower_at[0] + drop, b.lower_at[1] + len * f),
-                across: Vec3::X * (0.5 * w * (1.0 - shrink[1] * f * f)),
-                up: Vec3::Y * (0.5 * h * (1.0 - shrink[0] * f * f)),
+                centre: Vec3::new(0.0, b.lower_at[0] + drop + 0.3 * back, b.lower_at[1] + len * f - back),
+                across: Vec3::X * (0.5 * w * inside * (1.0 - shrink[1] * f * f)),
+                up: Vec3::Y * (0.5 * h * inside * (1.0 - shrink[0] * f * f)),
                 color: if parrot { lower } else { mix(cere, lower, (f - 0.3) * 6.0) },
                 binding: rigid(joint),
                 keel: 0.0,

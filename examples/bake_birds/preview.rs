@@ -103,6 +103,12 @@ pub struct Posed {
     pub width: f32,
 }
 
+fn lifted(q: Quat, direction: [f32; 3], normal: [f32; 3], flip: Vec3, degrees: f32) -> Vec3 {
+    let a = degrees.to_radians();
+    let d = (Vec3::from(direction) * flip).normalize_or_zero() * a.cos();
+    q * (d + (Vec3::from(normal) * flip).normalize_or_zero() * a.sin())
+}
+
 /// Feathers of a row in a pose.
 pub fn pose_row(skeleton: &Skeleton, matrices: &[Mat4], rotations: &[Quat], row: &Row, right: bool) -> Vec<Posed> {
     let n = row.lengths.len();
@@ -124,7 +130,7 @@ pub fn pose_row(skeleton: &Skeleton, matrices: &[Mat4], rotations: &[Quat], row:
                 .sum();
             Posed {
                 root,
-                direction: q * (Vec3::from(s.direction) * flip).normalize_or_zero(),
+                direction: lifted(q, s.direction, s.normal, flip, row.lift.at(t)),
                 normal: q * (Vec3::from(s.normal) * flip).normalize_or_zero(),
                 length: row.lengths[i],
                 width: row.width.at(t),

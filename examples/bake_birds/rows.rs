@@ -104,18 +104,18 @@ impl<'a> Builder<'a> {
         let n = self.bind.normal;
         let s = self.species.scale;
         // Planes of the closed stack, innermost on top.
-        let step = 0.45 * s;
+        let step = 0.2 * s;
         match name {
             "primaries" => {
                 let number = 1.0 + 9.0 * t;
                 let (root, ride) = self.hand_point(number, 0.6);
                 let direction = self.bind.direction(self.bind.primary(number));
-                (root - n * (step * (index as f32 + 1.0)), direction, self.tilt(direction, 2.5), ride, self.primary_follow(number))
+                (root - n * (step * (index as f32 + 7.0)), direction, self.tilt(direction, 2.5), ride, self.primary_follow(number))
             }
             "secondaries" => {
                 let (root, ride) = self.arm_point(t, 1.0);
                 let direction = self.bind.direction(self.bind.secondary(t, self.species).0);
-                (root + n * (step * index as f32), direction, self.tilt(direction, 2.0), ride, self.secondary_follow(t))
+                (root + n * (step * (index as f32 - 6.0)), direction, self.tilt(direction, 2.0), ride, self.secondary_follow(t))
             }
             "alula" => {
                 let from = self.species.joint("alula_L");
@@ -157,8 +157,7 @@ impl<'a> Builder<'a> {
                 let behind = self.bind.direction(self.bind.azimuths[0] + 90.0) * (0.6 * self.species.arm[0]);
                 let root = self.on_skin(along + behind, -1.0);
                 let direction = self.bind.direction(80.0 + 15.0 * (1.0 - t));
-                let chest = 0.6 * (1.0 - t);
-                let follow = vec![joint("humerus_L", 1.0 - chest), joint("chest", chest)];
+                let follow = vec![joint("humerus_L", 0.4), joint("ulna_L", 0.6)];
                 (root, direction, -n, vec![joint("humerus_L", 1.0)], follow)
             }
             _ => self.rectrix(index),

@@ -63,7 +63,9 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
         if !s.is_parrot() && lore(body, q) {
             return Tract::Lore;
         }
-        return if u < arcs.nape && angle < arcs.head_angles[0] {
+        // Behind the cheeks the nape runs on into the hind neck.
+        let behind = parts.trunk.angle < 88.0 && u < -6.0 * s.scale.sqrt();
+        return if u < arcs.nape && (angle < arcs.head_angles[0] || behind) {
             Tract::Nape
         } else if u >= arcs.nape && angle < arcs.head_angles[1] {
             Tract::Crown
@@ -110,11 +112,21 @@ fn bare(body: &Body, q: Vec3) -> bool {
     let s = body.species;
     let eye = s.joint("eye_L");
     if s.is_parrot() {
-        (q.z > 64.0 && q.y > 299.0 && q.y < 329.0 && q.x > 12.0) || (q.z > 93.0 && q.y > 269.0)
+        // A rounded patch from the bill to behind the eye, joined to a rim round the bill.
+        let patch = rounded(q.z - 86.5, q.y - 313.5, 24.0, 16.0, 13.0);
+        let rim = rounded(q.z - 112.0, q.y - 299.5, 19.5, 31.0, 6.0);
+        let h = (0.5 + 0.5 * (rim - patch) / 10.0).clamp(0.0, 1.0);
+        rim * (1.0 - h) + patch * h - 10.0 * h * (1.0 - h) < 0.0
     } else {
         (q.z > 93.0 && q.y > 497.0)
             || ((q.y - eye.y).hypot(q.z - eye.z) < 9.0 && q.x > 20.0)
     }
+}
+
+/// Distance to a rectangle with rounded corners.
+fn rounded(x: f32, y: f32, half_x: f32, half_y: f32, radius: f32) -> f32 {
+    let (u, v) = (x.abs() - half_x + radius, y.abs() - half_y + radius);
+    u.max(0.0).hypot(v.max(0.0)) + u.max(v).min(0.0) - radius
 }
 
 fn lore(body: &Body, q: Vec3) -> bool {
@@ -125,17 +137,21 @@ fn lore(body: &Body, q: Vec3) -> bool {
 fn wing(body: &Body, q: Vec3) -> Tract {
     let c = body.wing.chord(q);
     let upper = body.normal(q).dot(body.wing.normal) > 0.0;
+    // Behind the humerus no remiges stand: small coverts reach the trailing edge.
+    let [shoulder, elbow, wrist, ..] = body.wing.points;
+    let humerus = crate::body::cone(q, shoulder, elbow, [0.0, 0.0]);
+    let inner = humerus.1 < 0.72 && humerus.0 < crate::body::cone(q, elbow, wrist, [0.0, 0.0]).0;
     let on_hand = body.wing.flat(q).x > body.wing.flat(body.wing.points[2]).x;
     if upper {
         match c {
             c if c < 0.22 => Tract::MarginalUpper,
-            c if c < if on_hand { 0.5 } else { 0.74 } => Tract::LesserUpper,
+            c if c < if inner { 1.1 } else if on_hand { 0.5 } else { 0.74 } => Tract::LesserUpper,
             _ => Tract::CovertUpper,
         }
     } else {
         match c {
             c if c < 0.25 => Tract::MarginalUnder,
-            c if c < 0.78 => Tract::LesserUnder,
+            c if inner || c < 0.78 => Tract::LesserUnder,
             _ => Tract::CovertUnder,
         }
     }
