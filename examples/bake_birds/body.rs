@@ -99,7 +99,7 @@ impl<'a> Body<'a> {
         let p = Vec3::new(p.x.abs(), p.y, p.z);
         let parts = self.parts(p);
         let [k, k_tarsus, k_wing] = self.species.blend;
-        let mut d = smooth_min(parts.trunk.distance, parts.head.distance, 1.5 * k);
+        let mut d = smooth_min(parts.trunk.distance, parts.head.distance, 1.15 * k);
         if self.species.feathered_tarsus {
             // The brow ridge, which gives the eagle its scowl.
             let eye = self.species.joint("eye_L");

@@ -120,7 +120,7 @@ impl Trunk {
         let over = if place <= 0.0 && axial < 0.0 {
             -axial / (self.sections[0].depth * 0.85)
         } else if place >= last as f32 && axial > 0.0 {
-            axial / (self.sections[last].depth * 0.72)
+            axial / (self.sections[last].depth * 0.62)
         } else {
             0.0
         };

@@ -71,7 +71,7 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
     let side = if p.x.abs() < 3.0 { 0.0 } else { p.x.signum() };
     let mut d = -trunk.spine;
     match tract {
-        Tract::Crown | Tract::Nape | Tract::Cheek | Tract::Bare | Tract::Lore => {
+        Tract::Crown | Tract::Nape | Tract::Cheek | Tract::Bare | Tract::Lore | Tract::EyeRing => {
             let bill = species.bill().upper_at;
             let source = Vec3::new(0.0, bill[0] - 14.0, bill[1] + 6.0);
             let away = (p - source).normalize_or(Vec3::NEG_Z);

@@ -21,6 +21,8 @@ pub struct WingPose {
     pub roll: f32,
     /// Push along the normal, mm.
     pub push: f32,
+    /// Dip of the hand below the plane, degrees: the folded primaries lie under the secondaries.
+    pub tuck: f32,
 }
 
 impl WingPose {
@@ -33,6 +35,7 @@ impl WingPose {
             wrist: m(self.wrist, other.wrist),
             roll: m(self.roll, other.roll),
             push: m(self.push, other.push),
+            tuck: m(self.tuck, other.tuck),
         }
     }
 }
@@ -210,7 +213,7 @@ pub fn macaw() -> Species {
             ("head", [0., 295., 53.]),
             ("jaw", [0., 299., 80.]),
             ("upper_bill", [0., 325., 92.]),
-            ("eye_L", [26., 319., 72.]),
+            ("eye_L", [26.2, 319., 72.]),
             ("lid_up_L", [26., 319., 72.]),
             ("lid_lo_L", [26., 319., 72.]),
             ("tail", [0., 53., -74.]),
@@ -229,9 +232,9 @@ pub fn macaw() -> Species {
         ],
         wing_tip: [270., 169., -10.],
         bones: [82., 98., 64., 48.],
-        fold: WingPose { azimuth: 100., elbow: 26., wrist: 28., roll: 70., push: 11. },
-        bind: WingPose { azimuth: 45., elbow: 95., wrist: 110., roll: 0., push: 0. },
-        spread: WingPose { azimuth: 12., elbow: 150., wrist: 165., roll: 0., push: 0. },
+        fold: WingPose { azimuth: 100., elbow: 26., wrist: 28., roll: 70., push: 11., tuck: 2.4 },
+        bind: WingPose { azimuth: 45., elbow: 95., wrist: 110., roll: 0., push: 0., tuck: 0. },
+        spread: WingPose { azimuth: 12., elbow: 150., wrist: 165., roll: 0., push: 0., tuck: 0. },
         wing_slope: 58.,
         arm: [13., 11., 7., 3.7, 12.],
         legs: [[26., 20.], [20., 10.], [6.5, 6.5]],
@@ -301,9 +304,9 @@ pub fn eagle() -> Species {
             ("head", [0., 500., 48.]),
             ("jaw", [0., 504., 72.]),
             ("upper_bill", [0., 519., 94.]),
-            ("eye_L", [29., 523., 74.]),
-            ("lid_up_L", [29., 523., 74.]),
-            ("lid_lo_L", [29., 523., 74.]),
+            ("eye_L", [31.5, 523., 75.5]),
+            ("lid_up_L", [31.5, 523., 75.5]),
+            ("lid_lo_L", [31.5, 523., 75.5]),
             ("tail", [0., 161., -118.]),
             ("tail_fan_L", [16., 151., -126.]),
             ("scap_L", [30., 398., 20.]),
@@ -320,9 +323,9 @@ pub fn eagle() -> Species {
         ],
         wing_tip: [510., 321., -45.],
         bones: [185., 215., 105., 75.],
-        fold: WingPose { azimuth: 98., elbow: 22., wrist: 24., roll: 70., push: 17. },
-        bind: WingPose { azimuth: 45., elbow: 95., wrist: 110., roll: 0., push: 0. },
-        spread: WingPose { azimuth: 12., elbow: 150., wrist: 165., roll: 0., push: 0. },
+        fold: WingPose { azimuth: 98., elbow: 22., wrist: 24., roll: 70., push: 17., tuck: 3. },
+        bind: WingPose { azimuth: 45., elbow: 95., wrist: 110., roll: 0., push: 0., tuck: 0. },
+        spread: WingPose { azimuth: 12., elbow: 150., wrist: 165., roll: 0., push: 0., tuck: 0. },
         wing_slope: 58.,
         arm: [24., 20., 12., 6.2, 22.],
         legs: [[50., 30.], [34., 21.], [15., 13.]],

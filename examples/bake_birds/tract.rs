@@ -37,6 +37,8 @@ pub enum Tract {
     ScapularFlank = 25,
     /// Skin round the lore and chin that carries bristles (eagle).
     Lore = 26,
+    /// Naked rim of the eye (eagle).
+    EyeRing = 27,
 }
 
 /// Tract at a point of the skin.
@@ -47,6 +49,10 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     let arcs = s.arcs;
     if bare(body, q) {
         return Tract::Bare;
+    }
+    let eye = s.joint("eye_L");
+    if !s.is_parrot() && (q.y - eye.y).hypot(q.z - eye.z) < 9.5 && q.x > 20.0 {
+        return Tract::EyeRing;
     }
     let core = parts.trunk.distance.min(parts.head.distance);
     let leg = nearest_leg(body, &parts);
@@ -110,7 +116,6 @@ fn nearest_leg(body: &Body, parts: &Parts) -> usize {
 
 fn bare(body: &Body, q: Vec3) -> bool {
     let s = body.species;
-    let eye = s.joint("eye_L");
     if s.is_parrot() {
         // A rounded patch from the bill to behind the eye, joined to a rim round the bill.
         let patch = rounded(q.z - 86.5, q.y - 313.5, 24.0, 16.0, 13.0);
@@ -118,8 +123,7 @@ fn bare(body: &Body, q: Vec3) -> bool {
         let h = (0.5 + 0.5 * (rim - patch) / 10.0).clamp(0.0, 1.0);
         rim * (1.0 - h) + patch * h - 10.0 * h * (1.0 - h) < 0.0
     } else {
-        (q.z > 93.0 && q.y > 497.0)
-            || ((q.y - eye.y).hypot(q.z - eye.z) < 9.0 && q.x > 20.0)
+        q.z > 96.0 && q.y > 499.0
     }
 }
 
@@ -171,7 +175,7 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
     let neck_end = s.trunk[12][0];
     let c = || body.wing.chord(q);
     let value = match tract {
-        Tract::Bare | Tract::Lore => (front - q.z) / 40.0,
+        Tract::Bare | Tract::Lore | Tract::EyeRing => (front - q.z) / 40.0,
         Tract::Crown => (front - q.z) / (front - joint - arcs.nape),
         Tract::Nape => (joint + arcs.nape - q.z) / 34.0 / s.scale.sqrt(),
         Tract::Cheek => (front - q.z) / (front - s.head[0][0]),
@@ -217,6 +221,7 @@ pub fn color(parrot: bool, tract: Tract) -> u32 {
             Nape | NeckDorsal => 0xA97B45,
             Cheek | NeckVentral => 0x5C412A,
             Lore => 0x4A3828,
+            EyeRing => 0x6A5530,
             Rump => 0x5A4230,
             Vent | TailUpper | TailUnder => 0x6B4E35,
             Femoral => 0x54392A,

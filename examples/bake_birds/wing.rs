@@ -113,8 +113,10 @@ impl WingPlane {
     /// Global rotations since bind of humerus, ulna and hand.
     pub fn rotations(&self, bind: &Self) -> [Quat; 3] {
         let roll = Quat::from_axis_angle(bind.tailward, self.pose.roll.to_radians());
+        let dip = Quat::from_axis_angle(bind.direction(bind.azimuths[2] + 90.0), self.pose.tuck.to_radians());
         [0, 1, 2].map(|i| {
-            roll * Quat::from_axis_angle(bind.normal, (self.azimuths[i] - bind.azimuths[i]).to_radians())
+            let turn = Quat::from_axis_angle(bind.normal, (self.azimuths[i] - bind.azimuths[i]).to_radians());
+            if i == 2 { roll * turn * dip } else { roll * turn }
         })
     }
 }
