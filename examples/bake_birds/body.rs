@@ -23,7 +23,10 @@ pub struct Parts {
 pub fn cone(p: Vec3, a: Vec3, b: Vec3, radii: [f32; 2]) -> (f32, f32) {
     let axis = b - a;
     let t = ((p - a).dot(axis) / axis.length_squared()).clamp(0.0, 1.0);
-    ((p - a - axis * t).length() - radii[0] - (radii[1] - radii[0]) * t, t)
+    (
+        (p - a - axis * t).length() - radii[0] - (radii[1] - radii[0]) * t,
+        t,
+    )
 }
 
 fn smooth_min(a: f32, b: f32, k: f32) -> f32 {
@@ -38,7 +41,10 @@ fn triangle(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> f32 {
     if side(a, b) && side(b, c) && side(c, a) {
         return ((p - a).dot(n) / n.length()).abs();
     }
-    [(a, b), (b, c), (c, a)].iter().map(|(u, v)| cone(p, *u, *v, [0.0, 0.0]).0).fold(f32::MAX, f32::min)
+    [(a, b), (b, c), (c, a)]
+        .iter()
+        .map(|(u, v)| cone(p, *u, *v, [0.0, 0.0]).0)
+        .fold(f32::MAX, f32::min)
 }
 
 /// The skin of one bird in bind pose, symmetric in x.
@@ -74,7 +80,11 @@ impl<'a> Body<'a> {
         Parts {
             trunk: self.trunk.hit(p),
             head: self.head.hit(p),
-            legs: [cone(p, j[0], j[1], r[0]), cone(p, j[1], j[2], r[1]), cone(p, j[2], j[3], r[2])],
+            legs: [
+                cone(p, j[0], j[1], r[0]),
+                cone(p, j[1], j[2], r[1]),
+                cone(p, j[2], j[3], r[2]),
+            ],
             wing: self.wing_distance(p),
         }
     }
@@ -105,9 +115,9 @@ impl<'a> Body<'a> {
             let eye = self.species.joint("eye_L");
             let ridge = cone(
                 p,
-                eye + Vec3::new(-4.5, 10.5, 10.0),
-                eye + Vec3::new(0.0, 9.5, -12.0),
-                [4.5, 6.5],
+                eye + Vec3::new(-6.0, 10.0, 10.5),
+                eye + Vec3::new(-1.5, 10.5, -13.0),
+                [5.0, 7.0],
             );
             d = smooth_min(d, ridge.0, 4.0);
         }
@@ -121,9 +131,10 @@ impl<'a> Body<'a> {
     /// Gradient of the distance, not normalised.
     pub fn gradient(&self, p: Vec3) -> Vec3 {
         let h = 0.2 * self.species.cell;
-        Vec3::from_array([Vec3::X, Vec3::Y, Vec3::Z].map(|e| {
-            (self.distance(p + e * h) - self.distance(p - e * h)) / (2.0 * h)
-        }))
+        Vec3::from_array(
+            [Vec3::X, Vec3::Y, Vec3::Z]
+                .map(|e| (self.distance(p + e * h) - self.distance(p - e * h)) / (2.0 * h)),
+        )
     }
 
     /// Outward normal.

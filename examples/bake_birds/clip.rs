@@ -11,7 +11,11 @@ use crate::tract::{self, Tract};
 /// Splits triangles that span two colours; returns one tract per triangle of the new surface.
 pub fn clip(body: &Body, surface: &mut Surface) -> Vec<Tract> {
     let parrot = body.species.is_parrot();
-    let class: Vec<Tract> = surface.points.iter().map(|p| tract::classify(body, *p)).collect();
+    let class: Vec<Tract> = surface
+        .points
+        .iter()
+        .map(|p| tract::classify(body, *p))
+        .collect();
     let mut cuts: HashMap<(u32, u32), u32> = HashMap::new();
     let mut out: Vec<([u32; 3], Tract)> = Vec::with_capacity(surface.triangles.len() * 5 / 4);
     for t in std::mem::take(&mut surface.triangles) {
@@ -20,7 +24,11 @@ pub fn clip(body: &Body, surface: &mut Surface) -> Vec<Tract> {
         let mut cut = |a: u32, b: u32, surface: &mut Surface| {
             let key = (a.min(b), a.max(b));
             *cuts.entry(key).or_insert_with(|| {
-                let p = crossing(body, surface.points[key.0 as usize], surface.points[key.1 as usize]);
+                let p = crossing(
+                    body,
+                    surface.points[key.0 as usize],
+                    surface.points[key.1 as usize],
+                );
                 surface.points.push(p);
                 surface.points.len() as u32 - 1
             })
@@ -31,9 +39,17 @@ pub fn clip(body: &Body, surface: &mut Surface) -> Vec<Tract> {
             let [a, b, c] = [t[odd], t[(odd + 1) % 3], t[(odd + 2) % 3]];
             let (ab, ca) = (cut(a, b, surface), cut(c, a, surface));
             let rest = own[(odd + 1) % 3];
-            out.extend([([a, ab, ca], own[odd]), ([ab, b, c], rest), ([ab, c, ca], rest)]);
+            out.extend([
+                ([a, ab, ca], own[odd]),
+                ([ab, b, c], rest),
+                ([ab, c, ca], rest),
+            ]);
         } else {
-            let [ab, bc, ca] = [cut(t[0], t[1], surface), cut(t[1], t[2], surface), cut(t[2], t[0], surface)];
+            let [ab, bc, ca] = [
+                cut(t[0], t[1], surface),
+                cut(t[1], t[2], surface),
+                cut(t[2], t[0], surface),
+            ];
             out.extend([
                 ([t[0], ab, ca], own[0]),
                 ([t[1], bc, ab], own[1]),
@@ -48,7 +64,11 @@ pub fn clip(body: &Body, surface: &mut Surface) -> Vec<Tract> {
         .map(|(t, corner)| {
             let centre = t.iter().map(|i| surface.points[*i as usize]).sum::<Vec3>() / 3.0;
             let middle = tract::classify(body, centre);
-            if tract::color(parrot, middle) == tract::color(parrot, *corner) { middle } else { *corner }
+            if tract::color(parrot, middle) == tract::color(parrot, *corner) {
+                middle
+            } else {
+                *corner
+            }
         })
         .collect();
     surface.triangles = out.into_iter().map(|(t, _)| t).collect();

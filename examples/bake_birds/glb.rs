@@ -1,7 +1,5 @@
 //! Writes a model as binary glTF.
 
-use std::fmt::Write as _;
-
 use bevy::math::{Quat, Vec3};
 use gltf_json as json;
 use json::validation::Checked::Valid;
@@ -21,10 +19,14 @@ struct Writer {
 }
 
 impl Writer {
-    fn view(&mut self, bytes: &[u8], target: Option<json::buffer::Target>) -> json::Index<json::buffer::View> {
+    fn view(
+        &mut self,
+        bytes: &[u8],
+        target: Option<json::buffer::Target>,
+    ) -> json::Index<json::buffer::View> {
         let offset = self.bin.len();
         self.bin.extend_from_slice(bytes);
-        while self.bin.len() % 4 != 0 {
+        while !self.bin.len().is_multiple_of(4) {
             self.bin.push(0);
         }
         self.root.push(json::buffer::View {
@@ -66,9 +68,18 @@ impl Writer {
         })
     }
 
-    fn floats<const N: usize>(&mut self, rows: &[[f32; N]], attribute: bool, bounds: bool) -> json::Index<json::Accessor> {
+    fn floats<const N: usize>(
+        &mut self,
+        rows: &[[f32; N]],
+        attribute: bool,
+        bounds: bool,
+    ) -> json::Index<json::Accessor> {
         use json::accessor::Type;
-        let bytes: Vec<u8> = rows.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+        let bytes: Vec<u8> = rows
+            .iter()
+            .flatten()
+            .flat_map(|v| v.to_le_bytes())
+            .collect();
         let kind = match N {
             1 => Type::Scalar,
             2 => Type::Vec2,
@@ -78,12 +89,21 @@ impl Writer {
         };
         let limits = bounds.then(|| {
             let fold = |start: f32, f: fn(f32, f32) -> f32| {
-                (0..N).map(|i| rows.iter().map(|r| r[i]).fold(start, f)).collect::<Vec<_>>()
+                (0..N)
+                    .map(|i| rows.iter().map(|r| r[i]).fold(start, f))
+                    .collect::<Vec<_>>()
             };
             (fold(f32::MAX, f32::min), fold(f32::MIN, f32::max))
         });
         let target = attribute.then_some(json::buffer::Target::ArrayBuffer);
-        self.accessor(&bytes, rows.len(), kind, json::accessor::ComponentType::F32, target, limits)
+        self.accessor(
+            &bytes,
+            rows.len(),
+            kind,
+            json::accessor::ComponentType::F32,
+            target,
+            limits,
+        )
     }
 
     fn primitive(&mut self, p: &Primitive, skin: bool, material: u32) -> json::mesh::Primitive {
@@ -92,9 +112,16 @@ impl Writer {
         let position: Vec<[f32; 3]> = v.iter().map(|v| (v.position * METRES).to_array()).collect();
         let normal: Vec<[f32; 3]> = v.iter().map(|v| v.normal.to_array()).collect();
         let uv: Vec<[f32; 2]> = v.iter().map(|v| v.uv).collect();
-        let color: Vec<[f32; 4]> = v.iter().map(|v| [v.color[0], v.color[1], v.color[2], 1.0]).collect();
+        let color: Vec<[f32; 4]> = v
+            .iter()
+            .map(|v| [v.color[0], v.color[1], v.color[2], 1.0])
+            .collect();
         let weights: Vec<[f32; 4]> = v.iter().map(|v| v.binding.1).collect();
-        let joints: Vec<u8> = v.iter().flat_map(|v| v.binding.0).map(|j| j as u8).collect();
+        let joints: Vec<u8> = v
+            .iter()
+            .flat_map(|v| v.binding.0)
+            .map(|j| j as u8)
+            .collect();
         let mut attributes = vec![
             (Semantic::Positions, self.floats(&position, true, true)),
             (Semantic::Normals, self.floats(&normal, true, false)),
@@ -117,7 +144,12 @@ impl Writer {
             let tract: Vec<[f32; 2]> = v.iter().map(|v| v.tract).collect();
             attributes.push((Semantic::TexCoords(1), self.floats(&tract, true, false)));
         }
-        let indices: Vec<u8> = p.triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
+        let indices: Vec<u8> = p
+            .triangles
+            .iter()
+            .flatten()
+            .flat_map(|i| i.to_le_bytes())
+            .collect();
         let indices = self.accessor(
             &indices,
             p.triangles.len() * 3,
@@ -139,13 +171,18 @@ impl Writer {
 }
 
 fn node(name: &str) -> json::Node {
-    json::Node { name: Some(name.to_string()), ..Default::default() }
+    json::Node {
+        name: Some(name.to_string()),
+        ..Default::default()
+    }
 }
 
 /// The glb of a bird.
 pub fn write(species: &Species, model: &Model) -> Result<Vec<u8>, String> {
-    let mut w = Writer { bin: Vec::new(), root: json::Root::default() };
-    let _ = write!(w.root.asset.version, "");
+    let mut w = Writer {
+        bin: Vec::new(),
+        root: json::Root::default(),
+    };
     w.root.asset.version = "2.0".to_string();
     w.root.asset.generator = Some("bevy_plumage bake_birds".to_string());
     let mut primitives = Vec::new();
@@ -192,7 +229,9 @@ pub fn write(species: &Species, model: &Model) -> Result<Vec<u8>, String> {
     let skin = w.root.push(json::Skin {
         name: Some(species.name.to_string()),
         inverse_bind_matrices: Some(inverse),
-        joints: (0..joints.len()).map(|i| json::Index::new(i as u32)).collect(),
+        joints: (0..joints.len())
+            .map(|i| json::Index::new(i as u32))
+            .collect(),
         skeleton: Some(json::Index::new(0)),
         extensions: None,
         extras: Default::default(),
@@ -205,7 +244,10 @@ pub fn write(species: &Species, model: &Model) -> Result<Vec<u8>, String> {
             ..node(name)
         }));
     }
-    let bird = w.root.push(json::Node { children: Some(roots), ..node(species.name) });
+    let bird = w.root.push(json::Node {
+        children: Some(roots),
+        ..node(species.name)
+    });
     let scene = w.root.push(json::Scene {
         name: Some(species.name.to_string()),
         nodes: vec![bird],
@@ -221,13 +263,22 @@ pub fn write(species: &Species, model: &Model) -> Result<Vec<u8>, String> {
         extensions: None,
         extras: Default::default(),
     });
-    let mut text = w.root.to_vec().map_err(|e| format!("{}: {e}", species.name))?;
-    while text.len() % 4 != 0 {
+    let mut text = w
+        .root
+        .to_vec()
+        .map_err(|e| format!("{}: {e}", species.name))?;
+    while !text.len().is_multiple_of(4) {
         text.push(b' ');
     }
     let total = 12 + 8 + text.len() + 8 + w.bin.len();
     let mut out = Vec::with_capacity(total);
-    for v in [0x4654_6C67_u32, 2, total as u32, text.len() as u32, 0x4E4F_534A] {
+    for v in [
+        0x4654_6C67_u32,
+        2,
+        total as u32,
+        text.len() as u32,
+        0x4E4F_534A,
+    ] {
         out.extend_from_slice(&v.to_le_bytes());
     }
     out.extend_from_slice(&text);
@@ -242,7 +293,10 @@ pub fn write(species: &Species, model: &Model) -> Result<Vec<u8>, String> {
 fn animate(w: &mut Writer, species: &Species, model: &Model) {
     let frames = (species.idle * RATE).round() as usize;
     let times: Vec<[f32; 1]> = (0..=frames).map(|i| [i as f32 / RATE]).collect();
-    let mut poses: Vec<_> = times.iter().map(|t| idle::pose(species, &model.skeleton, t[0])).collect();
+    let mut poses: Vec<_> = times
+        .iter()
+        .map(|t| idle::pose(species, &model.skeleton, t[0]))
+        .collect();
     if let Some(first) = poses.first().cloned() {
         // The clip loops: its last key is its first.
         poses[frames] = first;
@@ -253,8 +307,10 @@ fn animate(w: &mut Writer, species: &Species, model: &Model) {
     let mut channels = Vec::new();
     for (i, _) in model.skeleton.joints.iter().enumerate() {
         let rest = model.skeleton.offset(i);
-        let translations: Vec<[f32; 3]> =
-            poses.iter().map(|p| ((rest + p.offset[i]) * METRES).to_array()).collect();
+        let translations: Vec<[f32; 3]> = poses
+            .iter()
+            .map(|p| ((rest + p.offset[i]) * METRES).to_array())
+            .collect();
         let mut last = Quat::IDENTITY;
         let rotations: Vec<[f32; 4]> = poses
             .iter()
@@ -266,9 +322,39 @@ fn animate(w: &mut Writer, species: &Species, model: &Model) {
             .collect();
         let scales: Vec<[f32; 3]> = poses.iter().map(|p| p.scale[i].to_array()).collect();
         let still = (rest * METRES).to_array();
-        add(w, dense, ends, i, json::animation::Property::Translation, &translations, still, &mut samplers, &mut channels);
-        add(w, dense, ends, i, json::animation::Property::Rotation, &rotations, [0., 0., 0., 1.], &mut samplers, &mut channels);
-        add(w, dense, ends, i, json::animation::Property::Scale, &scales, Vec3::ONE.to_array(), &mut samplers, &mut channels);
+        add(
+            w,
+            dense,
+            ends,
+            i,
+            json::animation::Property::Translation,
+            &translations,
+            still,
+            &mut samplers,
+            &mut channels,
+        );
+        add(
+            w,
+            dense,
+            ends,
+            i,
+            json::animation::Property::Rotation,
+            &rotations,
+            [0., 0., 0., 1.],
+            &mut samplers,
+            &mut channels,
+        );
+        add(
+            w,
+            dense,
+            ends,
+            i,
+            json::animation::Property::Scale,
+            &scales,
+            Vec3::ONE.to_array(),
+            &mut samplers,
+            &mut channels,
+        );
     }
     w.root.push(json::Animation {
         name: Some("idle".to_string()),

@@ -23,13 +23,24 @@ fn track(keys: &[(f32, f32)], t: f32) -> f32 {
 
 /// A pulse: 0, up to `value` within `ease`, down again before `end`.
 fn pulse(t: f32, start: f32, end: f32, ease: f32, value: f32) -> f32 {
-    track(&[(start, 0.0), (start + ease, value), (end - ease, value), (end, 0.0)], t)
+    track(
+        &[
+            (start, 0.0),
+            (start + ease, value),
+            (end - ease, value),
+            (end, 0.0),
+        ],
+        t,
+    )
 }
 
 /// Share of the way from folded to half open, for the left and the right wing.
 fn wings(species: &Species, t: f32) -> [f32; 2] {
     if species.is_parrot() {
-        [track(&[(2.4, 0.0), (3.2, 0.72), (3.5, 0.72), (4.4, 0.0)], t), 0.0]
+        [
+            track(&[(2.4, 0.0), (3.2, 0.72), (3.5, 0.72), (4.4, 0.0)], t),
+            0.0,
+        ]
     } else {
         [track(&[(3.6, 0.0), (4.0, 0.25), (4.2, 0.25), (4.8, 0.0)], t); 2]
     }
@@ -82,7 +93,11 @@ pub fn pose(species: &Species, skeleton: &Skeleton, t: f32) -> Pose {
     } else {
         0.5 + 0.5 * (std::f32::consts::PI * (cycle - 0.4) / 0.6).cos()
     };
-    let (swell, bob, counter) = if parrot { (0.025, 1.5, 2.0) } else { (0.018, 1.0, 1.0) };
+    let (swell, bob, counter) = if parrot {
+        (0.025, 1.5, 2.0)
+    } else {
+        (0.018, 1.0, 1.0)
+    };
     let at = |name: &str| skeleton.index(name);
     let s = 1.0 + swell * breath;
     p.scale[at("chest")] = Vec3::new(s, s, 1.0);
@@ -107,14 +122,22 @@ pub fn pose(species: &Species, skeleton: &Skeleton, t: f32) -> Pose {
     } else {
         0.0
     };
-    let flick = if parrot { pulse(t, 2.7, 4.2, 0.1, 1.0) * 4.0 * (std::f32::consts::TAU * 2.0 * (t - 2.7)).sin() } else { 0.0 };
+    let flick = if parrot {
+        pulse(t, 2.7, 4.2, 0.1, 1.0) * 4.0 * (std::f32::consts::TAU * 2.0 * (t - 2.7)).sin()
+    } else {
+        0.0
+    };
     let turn = |x: f32, y: f32, z: f32| {
         Quat::from_rotation_y(y.to_radians())
             * Quat::from_rotation_x(x.to_radians())
             * Quat::from_rotation_z(z.to_radians())
     };
     p.rotation[at("chest")] = turn(0.0, 0.0, 0.4 * shimmy);
-    let tail_axis = Vec3::new(0.0, -species.tail[0].to_radians().sin(), -species.tail[0].to_radians().cos());
+    let tail_axis = Vec3::new(
+        0.0,
+        -species.tail[0].to_radians().sin(),
+        -species.tail[0].to_radians().cos(),
+    );
     let tail_up = tail_axis.cross(Vec3::NEG_X).normalize();
     p.rotation[at("tail")] = turn(counter * (breath - 0.5), 0.0, 0.0)
         * Quat::from_axis_angle(tail_up, flick.to_radians());
@@ -128,18 +151,56 @@ pub fn pose(species: &Species, skeleton: &Skeleton, t: f32) -> Pose {
 
     let (yaw, pitch, roll) = if parrot {
         (
-            track(&[(0.5, 0.0), (0.62, 22.0), (1.88, 22.0), (2.0, -15.0), (3.4, -15.0), (3.54, 8.0), (4.5, 8.0), (4.62, 0.0)], t),
-            track(&[(2.0, 0.0), (2.14, -6.0), (3.4, -6.0), (3.54, 4.0), (4.5, 4.0), (4.62, 0.0)], t),
+            track(
+                &[
+                    (0.5, 0.0),
+                    (0.62, 22.0),
+                    (1.88, 22.0),
+                    (2.0, -15.0),
+                    (3.4, -15.0),
+                    (3.54, 8.0),
+                    (4.5, 8.0),
+                    (4.62, 0.0),
+                ],
+                t,
+            ),
+            track(
+                &[
+                    (2.0, 0.0),
+                    (2.14, -6.0),
+                    (3.4, -6.0),
+                    (3.54, 4.0),
+                    (4.5, 4.0),
+                    (4.62, 0.0),
+                ],
+                t,
+            ),
             track(&[(3.4, 0.0), (3.54, 18.0), (4.3, 18.0), (4.6, 0.0)], t),
         )
     } else {
         (
-            track(&[(0.68, 0.0), (0.8, 35.0), (2.6, 35.0), (2.74, -28.0), (4.6, -28.0), (4.74, 0.0)], t),
+            track(
+                &[
+                    (0.68, 0.0),
+                    (0.8, 35.0),
+                    (2.6, 35.0),
+                    (2.74, -28.0),
+                    (4.6, -28.0),
+                    (4.74, 0.0),
+                ],
+                t,
+            ),
             track(&[(2.6, 0.0), (2.74, 8.0), (4.6, 8.0), (4.74, 0.0)], t),
             0.0,
         )
     };
-    for (name, share) in [("neck1", 0.1), ("neck2", 0.15), ("neck3", 0.2), ("neck4", 0.25), ("head", 0.3)] {
+    for (name, share) in [
+        ("neck1", 0.1),
+        ("neck2", 0.15),
+        ("neck3", 0.2),
+        ("neck4", 0.25),
+        ("head", 0.3),
+    ] {
         p.rotation[at(name)] = turn(pitch * share, yaw * share, roll * share);
     }
     let (jaw, upper) = if parrot {
@@ -150,8 +211,15 @@ pub fn pose(species: &Species, skeleton: &Skeleton, t: f32) -> Pose {
     };
     p.rotation[at("jaw")] = turn(jaw, 0.0, 0.0);
     p.rotation[at("upper_bill")] = turn(-upper, 0.0, 0.0);
-    let blinks: &[f32] = if parrot { &[1.1, 3.45] } else { &[0.7, 2.7, 4.7] };
-    let shut: f32 = blinks.iter().map(|b| pulse(t, *b, *b + 0.16, 0.06, 1.0)).sum();
+    let blinks: &[f32] = if parrot {
+        &[1.1, 3.45]
+    } else {
+        &[0.7, 2.7, 4.7]
+    };
+    let shut: f32 = blinks
+        .iter()
+        .map(|b| pulse(t, *b, *b + 0.16, 0.06, 1.0))
+        .sum();
     let axis = parts::lid_axis(species);
     for (side, left) in [("L", true), ("R", false)] {
         let lower = Quat::from_axis_angle(axis, (88.0 * shut).to_radians());

@@ -33,7 +33,11 @@ fn monotone(xs: &[f32], ys: &[f32], x: f32) -> f32 {
             return slope(n - 2);
         }
         let (a, b) = (slope(i - 1), slope(i));
-        if a * b <= 0.0 { 0.0 } else { 2.0 * a * b / (a + b) }
+        if a * b <= 0.0 {
+            0.0
+        } else {
+            2.0 * a * b / (a + b)
+        }
     };
     let h = xs[k + 1] - xs[k];
     let t = (x - xs[k]) / h;
@@ -101,8 +105,8 @@ impl Trunk {
         }
         let step = self.sections[1].arc;
         let k = nearest.1;
-        let place =
-            (k as f32 + (q - self.sections[k].centre).dot(self.sections[k].along) / step).clamp(0.0, last as f32);
+        let place = (k as f32 + (q - self.sections[k].centre).dot(self.sections[k].along) / step)
+            .clamp(0.0, last as f32);
         let i = (place as usize).min(last - 1);
         let t = place - i as f32;
         let (a, b) = (self.sections[i], self.sections[i + 1]);
@@ -124,10 +128,15 @@ impl Trunk {
         } else {
             0.0
         };
-        let level = ((x / half).powf(EXPONENT) + (up.abs() / extent).powf(EXPONENT) + over.powf(EXPONENT))
-            .powf(1.0 / EXPONENT);
+        let level =
+            ((x / half).powf(EXPONENT) + (up.abs() / extent).powf(EXPONENT) + over.powf(EXPONENT))
+                .powf(1.0 / EXPONENT);
         let reach = (x * x + up * up + if over > 0.0 { axial * axial } else { 0.0 }).sqrt();
-        let distance = if level > 0.2 { reach * (1.0 - 1.0 / level) } else { -half.min(extent) };
+        let distance = if level > 0.2 {
+            reach * (1.0 - 1.0 / level)
+        } else {
+            -half.min(extent)
+        };
         Hit {
             arc: mix(a.arc, b.arc) + if over > 0.0 { axial } else { 0.0 },
             angle: (x / half).atan2(up / extent).to_degrees(),
@@ -165,10 +174,19 @@ impl Head {
         let x = p.x.abs();
         let beyond = (p.z - z).abs();
         let over = beyond / 8.0;
-        let level =
-            ((x / w).powf(EXPONENT) + (y.abs() / h).powf(EXPONENT) + over.powf(EXPONENT)).powf(1.0 / EXPONENT);
+        let level = ((x / w).powf(EXPONENT) + (y.abs() / h).powf(EXPONENT) + over.powf(EXPONENT))
+            .powf(1.0 / EXPONENT);
         let reach = (x * x + y * y + beyond * beyond).sqrt();
-        let distance = if level > 0.2 { reach * (1.0 - 1.0 / level) } else { -h.min(w) };
-        Hit { arc: p.z, angle: (x / w).atan2(y / h).to_degrees(), distance, spine: Vec3::ZERO }
+        let distance = if level > 0.2 {
+            reach * (1.0 - 1.0 / level)
+        } else {
+            -h.min(w)
+        };
+        Hit {
+            arc: p.z,
+            angle: (x / w).atan2(y / h).to_degrees(),
+            distance,
+            spine: Vec3::ZERO,
+        }
     }
 }

@@ -14,6 +14,7 @@ mod parts;
 mod plumage;
 mod preview;
 mod rows;
+mod scatter;
 mod skeleton;
 mod species;
 mod tables;
@@ -54,7 +55,11 @@ fn main() -> Result<(), String> {
             .map_err(|e| format!("{}: {e}", species.name))?;
         for (folder, name, bytes) in [
             ("birds", format!("{}.glb", species.name), glb.as_slice()),
-            ("grooms", format!("{}.groom.ron", species.name), text.as_bytes()),
+            (
+                "grooms",
+                format!("{}.groom.ron", species.name),
+                text.as_bytes(),
+            ),
         ] {
             let path = options.out.join(folder).join(name);
             let report = |e: std::io::Error| format!("{}: {e}", path.display());

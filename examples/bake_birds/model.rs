@@ -51,7 +51,8 @@ pub fn build(species: &Species) -> Model {
             *split.entry((i, tract)).or_insert_with(|| {
                 let p = surface.points[i as usize];
                 let dark = if tract == Tract::Bare { 1.0 } else { 0.6 };
-                let shade = linear(tract::color(species.is_parrot(), tract)).map(|c: f32| c * srgb_factor(dark));
+                let shade = linear(tract::color(species.is_parrot(), tract))
+                    .map(|c: f32| c * srgb_factor(dark));
                 let phi = tract::phi(&body, tract, p);
                 skin.vertices.push(Vertex {
                     position: p,
@@ -66,16 +67,30 @@ pub fn build(species: &Species) -> Model {
         });
         skin.triangles.push(triangle);
     }
-    let part = |name, primitive, roughness| Part { name, primitive, roughness, skin: false };
+    let part = |name, primitive, roughness| Part {
+        name,
+        primitive,
+        roughness,
+        skin: false,
+    };
     let parts = vec![
-        Part { name: "skin", primitive: skin, roughness: 0.85, skin: true },
+        Part {
+            name: "skin",
+            primitive: skin,
+            roughness: 0.85,
+            skin: true,
+        },
         part("bill", parts::bill(species, &skeleton), 0.38),
         part("eyes", parts::eyes(species, &skeleton), 0.06),
         part("lids", parts::lids(species, &skeleton), 0.6),
         part("feet", parts::feet(species, &skeleton), 0.6),
         part("claws", parts::claws(species, &skeleton), 0.35),
     ];
-    Model { parts, skeleton, open_edges }
+    Model {
+        parts,
+        skeleton,
+        open_edges,
+    }
 }
 
 /// Factor on linear light of a factor on sRGB values.

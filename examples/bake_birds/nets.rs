@@ -24,7 +24,6 @@ struct Lattice {
 impl Lattice {
     fn place(&self, i: [usize; 3]) -> Vec3 {
         let o = IVec3::new(i[0] as i32, i[1] as i32, i[2] as i32);
-        // Half a cell off the symmetry plane: no vertex row lies exactly on it.
         (self.low + o).as_vec3() * self.cell
     }
 
@@ -59,7 +58,11 @@ impl Lattice {
         let half = ((high.x + margin.x) / cell).ceil() as i32;
         let lo = ((low - margin) / cell).floor().as_ivec3();
         let hi = ((high + margin) / cell).ceil().as_ivec3();
-        let size = [(2 * half + 1) as usize, (hi.y - lo.y + 1) as usize, (hi.z - lo.z + 1) as usize];
+        let size = [
+            (2 * half + 1) as usize,
+            (hi.y - lo.y + 1) as usize,
+            (hi.z - lo.z + 1) as usize,
+        ];
         let mut lattice = Self {
             low: IVec3::new(-half, lo.y, lo.z),
             size,
@@ -76,7 +79,11 @@ impl Lattice {
                     } else {
                         let d = body.distance(lattice.place([i, j, k]));
                         // Far outside, neighbours cannot be inside: the loft distance is at least half the true one.
-                        skip = if d > 8.0 * cell { (0.3 * d / cell) as usize } else { 0 };
+                        skip = if d > 8.0 * cell {
+                            (0.3 * d / cell) as usize
+                        } else {
+                            0
+                        };
                         d
                     };
                     let row = (k * size[1] + j) * size[0];
@@ -186,8 +193,8 @@ fn relax(body: &Body, points: &mut [Vec3], quads: &[[u32; 4]]) {
             if neighbours[i].is_empty() {
                 continue;
             }
-            let mean =
-                neighbours[i].iter().map(|n| old[*n as usize]).sum::<Vec3>() / neighbours[i].len() as f32;
+            let mean = neighbours[i].iter().map(|n| old[*n as usize]).sum::<Vec3>()
+                / neighbours[i].len() as f32;
             let g = body.gradient(old[i]).normalize_or(Vec3::Y);
             let shift = mean - old[i];
             *p = body.project(old[i] + 0.6 * (shift - g * shift.dot(g)), 1);

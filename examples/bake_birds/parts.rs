@@ -56,7 +56,12 @@ fn mix(a: [f32; 3], b: [f32; 3], t: f32) -> [f32; 3] {
 
 impl Primitive {
     /// Adds a closed tube through rings; `sides` vertices round each.
-    pub fn tube(&mut self, rings: &[Ring], sides: usize, paint: impl Fn(usize, f32, [f32; 3]) -> [f32; 3]) {
+    pub fn tube(
+        &mut self,
+        rings: &[Ring],
+        sides: usize,
+        paint: impl Fn(usize, f32, [f32; 3]) -> [f32; 3],
+    ) {
         let base = self.vertices.len() as u32;
         let stride = sides as u32 + 1;
         for (i, r) in rings.iter().enumerate() {
@@ -90,7 +95,11 @@ impl Primitive {
             self.vertices.push(v);
             for j in 0..sides as u32 {
                 let a = base + end as u32 * stride + j;
-                self.triangles.push(if flip { [centre, a + 1, a] } else { [centre, a, a + 1] });
+                self.triangles.push(if flip {
+                    [centre, a + 1, a]
+                } else {
+                    [centre, a, a + 1]
+                });
             }
         }
         self.orient(base);
@@ -118,7 +127,11 @@ impl Primitive {
             }
         }
         for v in &mut self.vertices[base as usize..] {
-            v.normal = sums.get(&key(v.position)).copied().unwrap_or(Vec3::Y).normalize_or(Vec3::Y);
+            v.normal = sums
+                .get(&key(v.position))
+                .copied()
+                .unwrap_or(Vec3::Y)
+                .normalize_or(Vec3::Y);
         }
     }
 
@@ -143,7 +156,8 @@ impl Primitive {
 /// Joint on the other side.
 pub fn other_side(skeleton: &Skeleton, joint: u16) -> u16 {
     let name = &skeleton.joints[joint as usize].name;
-    name.strip_suffix("_L").map_or(joint, |stem| skeleton.index(&format!("{stem}_R")) as u16)
+    name.strip_suffix("_L")
+        .map_or(joint, |stem| skeleton.index(&format!("{stem}_R")) as u16)
 }
 
 /// The bill, both halves.
@@ -174,7 +188,11 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
             mix(base, tip, (f - 0.84) / 0.1)
         } else {
             let horn = mix(base, tip, (f - 0.35) / 0.35);
-            if u < straight { cere } else { mix(cere, horn, (u - straight) / 2.0) }
+            if u < straight {
+                cere
+            } else {
+                mix(cere, horn, (u - straight) / 2.0)
+            }
         };
         rings.push(Ring {
             centre,
@@ -193,7 +211,11 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
         let side = a.sin().abs();
         if parrot && a.cos() < -0.1 {
             // The black wedge that runs from the gape along the lower edge.
-            return mix(c, dark, (-a.cos() - 0.1 - 0.9 * (0.75 - f).max(0.0) * 0.6) * 6.0);
+            return mix(
+                c,
+                dark,
+                (-a.cos() - 0.1 - 0.9 * (0.75 - f).max(0.0) * 0.6) * 6.0,
+            );
         }
         let spot = ((f - nostril.0) / 0.05).powi(2) + ((a.cos() - nostril.1) / 0.14).powi(2);
         if side > 0.3 && spot < 1.0 { dark } else { c }
@@ -211,10 +233,18 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
             let drop = b.lower_axis[0] * f + b.lower_axis[1] * f * f;
             let shrink = if parrot { [0.75, 0.45] } else { [0.8, 0.75] };
             Ring {
-                centre: Vec3::new(0.0, b.lower_at[0] + drop + 0.3 * back, b.lower_at[1] + len * f - back),
+                centre: Vec3::new(
+                    0.0,
+                    b.lower_at[0] + drop + 0.3 * back,
+                    b.lower_at[1] + len * f - back,
+                ),
                 across: Vec3::X * (0.5 * w * inside * (1.0 - shrink[1] * f * f)),
                 up: Vec3::Y * (0.5 * h * inside * (1.0 - shrink[0] * f * f)),
-                color: if parrot { lower } else { mix(cere, lower, (f - 0.3) * 6.0) },
+                color: if parrot {
+                    lower
+                } else {
+                    mix(cere, lower, (f - 0.3) * 6.0)
+                },
                 binding: rigid(joint),
                 keel: 0.0,
             }
@@ -226,7 +256,12 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
 
 /// Direction the left eye looks.
 pub fn gaze(species: &Species) -> Vec3 {
-    if species.is_parrot() { Vec3::new(0.93, 0.05, 0.36) } else { Vec3::new(0.84, 0.02, 0.54) }.normalize()
+    if species.is_parrot() {
+        Vec3::new(0.93, 0.05, 0.36)
+    } else {
+        Vec3::new(0.84, 0.02, 0.54)
+    }
+    .normalize()
 }
 
 /// Axis the lids turn about: positive turns lift the lower lid.
@@ -280,7 +315,16 @@ pub fn eyes(species: &Species, skeleton: &Skeleton) -> Primitive {
         }
     };
     let centre = species.joint("eye_L");
-    cap(&mut out, centre, gaze(species), radius, 3.1, rigid(skeleton.index("eye_L")), paint, 40);
+    cap(
+        &mut out,
+        centre,
+        gaze(species),
+        radius,
+        3.1,
+        rigid(skeleton.index("eye_L")),
+        paint,
+        40,
+    );
     out.mirror(|j| other_side(skeleton, j));
     out
 }
@@ -291,7 +335,11 @@ pub fn lids(species: &Species, skeleton: &Skeleton) -> Primitive {
     let centre = species.joint("eye_L");
     let axis = gaze(species);
     let r = species.eye[0];
-    let skin = if species.is_parrot() { linear(0xD9C8BC) } else { linear(0x3A2C20) };
+    let skin = if species.is_parrot() {
+        linear(0xD9C8BC)
+    } else {
+        linear(0x3A2C20)
+    };
     // A torus round the visible part.
     let side = axis.any_orthonormal_vector();
     let up = axis.cross(side);
@@ -326,7 +374,16 @@ pub fn lids(species: &Species, skeleton: &Skeleton) -> Primitive {
     let turn = lid_axis(species);
     for (joint, degrees, opening) in [("lid_lo_L", -118.0_f32, 0.95), ("lid_up_L", 112.0, 0.75)] {
         let open = Quat::from_axis_angle(turn, degrees.to_radians()) * axis;
-        cap(&mut out, centre, open, r * 1.06, opening, rigid(skeleton.index(joint)), |_| skin, 8);
+        cap(
+            &mut out,
+            centre,
+            open,
+            r * 1.06,
+            opening,
+            rigid(skeleton.index(joint)),
+            |_| skin,
+            8,
+        );
     }
     out.mirror(|j| other_side(skeleton, j));
     out
@@ -341,7 +398,10 @@ fn toe_path(species: &Species, toe: usize, share: f32) -> (Vec3, Vec3) {
     let angle = start + sign * share * species.toes[toe] / (species.perch + species.toe_radius[0]);
     let x = foot.x + species.splay[toe] * share;
     let outward = Vec3::new(0.0, angle.cos(), angle.sin());
-    (Vec3::new(x, -species.perch, 0.0) + outward * radius, outward)
+    (
+        Vec3::new(x, -species.perch, 0.0) + outward * radius,
+        outward,
+    )
 }
 
 /// Bind positions of the joints (a, b) of toes I..IV.
@@ -388,7 +448,10 @@ pub fn feet(species: &Species, skeleton: &Skeleton) -> Primitive {
                 let (centre, outward) = toe_path(species, toe, f);
                 let pad = 1.0 + 0.09 * (f * 3.0 * std::f32::consts::TAU).cos();
                 let scale = if i % 2 == 0 { 0.97 } else { 1.03 };
-                let r = (species.toe_radius[0] + (species.toe_radius[1] - species.toe_radius[0]) * f) * pad * scale;
+                let r = (species.toe_radius[0]
+                    + (species.toe_radius[1] - species.toe_radius[0]) * f)
+                    * pad
+                    * scale;
                 let r = r * if i == n - 1 { 0.7 } else { 1.0 };
                 let binding = if f < 0.1 {
                     blend(foot_joint, a, f * 10.0)

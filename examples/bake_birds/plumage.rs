@@ -1,6 +1,6 @@
 //! The groom of a bird: regions from the tables, rows, and guides sampled from an analytic lay field.
 
-use bevy::math::{Quat, Vec3};
+use bevy::math::Vec3;
 use bevy_plumage::groom::{Groom, Guide, Jitter, Placement, Region, Select, Span, Tint};
 
 use crate::body::Body;
@@ -18,7 +18,11 @@ const GUIDES: usize = 150;
 /// Builds the groom.
 pub fn groom(species: &Species, model: &Model) -> Groom {
     let body = Body::new(species);
-    let table = if species.is_parrot() { tables::MACAW } else { tables::EAGLE };
+    let table = if species.is_parrot() {
+        tables::MACAW
+    } else {
+        tables::EAGLE
+    };
     let regions = table
         .iter()
         .map(|t| Region {
@@ -29,7 +33,11 @@ pub fn groom(species: &Species, model: &Model) -> Groom {
             },
             feather: template(species, t.feather),
             count: t.count,
-            placement: if t.rows == 0 { Placement::Scatter } else { Placement::Rows(t.rows) },
+            placement: if t.rows == 0 {
+                Placement::Scatter
+            } else {
+                Placement::Rows(t.rows)
+            },
             length: Span(t.length.0, t.length.1),
             width: Span(t.width.0, t.width.1),
             lift: Span(t.lift.0, t.lift.1),
@@ -44,7 +52,12 @@ pub fn groom(species: &Species, model: &Model) -> Groom {
         .collect();
     Groom {
         version: Groom::VERSION,
-        name: if species.is_parrot() { "Scarlet macaw" } else { "Golden eagle" }.to_string(),
+        name: if species.is_parrot() {
+            "Scarlet macaw"
+        } else {
+            "Golden eagle"
+        }
+        .to_string(),
         unit: 0.001,
         feathers: tables::templates(species.is_parrot())
             .iter()
@@ -59,7 +72,11 @@ pub fn groom(species: &Species, model: &Model) -> Groom {
 /// Feathers at density 1.
 pub fn count(groom: &Groom) -> usize {
     let scattered: u32 = groom.regions.iter().map(|r| r.count).sum();
-    let rows: usize = groom.rows.iter().map(|r| r.lengths.len() * if r.mirror { 2 } else { 1 }).sum();
+    let rows: usize = groom
+        .rows
+        .iter()
+        .map(|r| r.lengths.len() * if r.mirror { 2 } else { 1 })
+        .sum();
     scattered as usize + rows
 }
 
@@ -78,6 +95,14 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
             let u = head.arc - species.joint("head").z;
             let w = ((-u - 6.0) / 18.0).clamp(0.0, 1.0);
             d = away.lerp(d, w);
+            // Round the eye the plumage parts like a stream round a pillar.
+            let mut eye = species.joint("eye_L");
+            eye.x *= side;
+            let r = (p - eye).reject_from(body.normal(p));
+            let radius = 1.4 * species.eye[0];
+            let near = radius * radius / r.length_squared().max(radius * radius);
+            let out = r.normalize_or_zero();
+            d += near * (d - 2.0 * d.dot(out) * out);
         }
         Tract::Femoral => {
             let (hip, knee) = (species.joint("femur_L"), species.joint("tibia_L"));
@@ -91,7 +116,11 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
             let slope = species.tail[0].to_radians();
             d = Vec3::new(0.12 * side, -slope.sin(), -slope.cos());
         }
-        Tract::LesserUpper | Tract::MarginalUpper | Tract::CovertUpper | Tract::LesserUnder | Tract::MarginalUnder
+        Tract::LesserUpper
+        | Tract::MarginalUpper
+        | Tract::CovertUpper
+        | Tract::LesserUnder
+        | Tract::MarginalUnder
         | Tract::CovertUnder => d = wing_lay(species, body, p),
         _ => {
             if trunk.angle < 60.0 || trunk.angle > 120.0 {
@@ -100,7 +129,9 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
         }
     }
     let n = body.normal(p);
-    d.reject_from(n).try_normalize().unwrap_or_else(|| (-trunk.spine).reject_from(n).normalize_or(Vec3::NEG_Y))
+    d.reject_from(n)
+        .try_normalize()
+        .unwrap_or_else(|| (-trunk.spine).reject_from(n).normalize_or(Vec3::NEG_Y))
 }
 
 /// On the wing the lay runs from the leading edge to the trailing one, turning with the remiges behind it.
@@ -110,14 +141,23 @@ fn wing_lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
     let [shoulder, elbow, wrist, _, tip] = wing.points.map(|v| wing.flat(v));
     let at = wing.flat(q);
     let hand = ((at - wrist).dot(tip - wrist) / (tip - wrist).length_squared()).clamp(0.0, 1.0);
-    let inner = ((at - elbow).dot(wrist - elbow) / (wrist - elbow).length_squared()).clamp(0.0, 1.0);
+    let inner =
+        ((at - elbow).dot(wrist - elbow) / (wrist - elbow).length_squared()).clamp(0.0, 1.0);
     let arm = wing.secondary(1.0 - inner, species).0;
-    let remex = if hand > 0.0 { wing.primary(1.0 + 9.0 * hand) } else { arm };
+    let remex = if hand > 0.0 {
+        wing.primary(1.0 + 9.0 * hand)
+    } else {
+        arm
+    };
     let reach = (at - shoulder).length() / (wrist - shoulder).length();
     let across = wing.azimuths[1] + 90.0;
     // Next to the leading edge straight across, next to the remiges with them.
     let c = wing.chord(q);
-    let azimuth = if hand > 0.0 { remex } else { across + (remex - across) * (0.35 + 0.65 * c) };
+    let azimuth = if hand > 0.0 {
+        remex
+    } else {
+        across + (remex - across) * (0.35 + 0.65 * c)
+    };
     let d = wing.direction(azimuth.max(40.0 * reach.min(1.0)));
     Vec3::new(d.x * if p.x < 0.0 { -1.0 } else { 1.0 }, d.y, d.z)
 }
@@ -133,7 +173,13 @@ fn guides(species: &Species, body: &Body, model: &Model) -> Vec<Guide> {
         .collect();
     let mut distance = vec![f32::MAX; points.len()];
     // Small features (head, face) want denser guides than the wing.
-    let density = |p: Vec3| if p.y > species.arcs.head_plane { 2.2 } else { 1.0 };
+    let density = |p: Vec3| {
+        if p.y > species.arcs.head_plane {
+            2.2
+        } else {
+            1.0
+        }
+    };
     let mut next = 0;
     let mut chosen = Vec::new();
     for _ in 0..GUIDES.min(points.len()) {
@@ -149,6 +195,16 @@ fn guides(species: &Species, body: &Body, model: &Model) -> Vec<Guide> {
         }
         next = best.1;
     }
+    // Two rings round the eye, where the lay turns fastest.
+    let eye = species.joint("eye_L");
+    for (radius, n) in [(1.55, 8), (2.3, 10)] {
+        for k in 0..n {
+            let a = std::f32::consts::TAU * (k as f32 + 0.5) / n as f32;
+            let r = radius * species.eye[0];
+            let around = eye + Vec3::new(2.0, r * a.sin(), r * a.cos());
+            chosen.push(body.project(around, 3));
+        }
+    }
     chosen
         .into_iter()
         .map(|start| {
@@ -160,7 +216,11 @@ fn guides(species: &Species, body: &Body, model: &Model) -> Vec<Guide> {
                 points.push(body.project(p + lay(species, body, half) * step, 1));
             }
             let round = |v: Vec3| v.to_array().map(|c| (c * 100.0).round() / 100.0);
-            Guide { points: points.into_iter().map(round).collect(), mirror: true, regions: Vec::new() }
+            Guide {
+                points: points.into_iter().map(round).collect(),
+                mirror: true,
+                regions: Vec::new(),
+            }
         })
         .collect()
 }
@@ -169,8 +229,13 @@ fn guides(species: &Species, body: &Body, model: &Model) -> Vec<Guide> {
 pub fn report(species: &Species, model: &Model, groom: &Groom) {
     let body = Body::new(species);
     let builder = Builder::new(species, &body);
-    let worst = (0..=10).map(|i| builder.fit(i as f32 / 10.0).1).fold([0.0_f32; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-    println!("  secondaries miss the folded frame by {:.1} degrees at most, the spread one by {:.1}", worst[0], worst[1]);
+    let worst = (0..=10)
+        .map(|i| builder.fit(i as f32 / 10.0).1)
+        .fold([0.0_f32; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+    println!(
+        "  secondaries miss the folded frame by {:.1} degrees at most, the spread one by {:.1}",
+        worst[0], worst[1]
+    );
     let skeleton = &model.skeleton;
     let pose = idle::pose(species, skeleton, 0.0);
     let (matrices, rotations) = (skeleton.matrices(&pose), skeleton.rotations(&pose));
@@ -178,17 +243,26 @@ pub fn report(species: &Species, model: &Model, groom: &Groom) {
     let back = Vec3::new(0.0, -slope.sin(), -slope.cos());
     let dorsal = Vec3::X.cross(back);
     let tail = species.joint("tail");
-    let _: Quat = rotations[0];
     for name in ["primaries", "secondaries", "greater_coverts", "rectrices"] {
-        let Some(row) = groom.rows.iter().find(|r| r.name == name) else { continue };
+        let Some(row) = groom.rows.iter().find(|r| r.name == name) else {
+            continue;
+        };
         let posed = preview::pose_row(skeleton, &matrices, &rotations, row, false);
         let tips: Vec<String> = posed
             .iter()
             .map(|f| {
                 let tip = f.root + f.direction * f.length;
-                format!("({:.0} {:.0} {:.0})", tip.x, (tip - tail).dot(dorsal), (tip - tail).dot(back))
+                format!(
+                    "({:.0} {:.0} {:.0})",
+                    tip.x,
+                    (tip - tail).dot(dorsal),
+                    (tip - tail).dot(back)
+                )
             })
             .collect();
-        println!("  folded {name}: tips (x, above tail, beyond tail root) {}", tips.join(" "));
+        println!(
+            "  folded {name}: tips (x, above tail, beyond tail root) {}",
+            tips.join(" ")
+        );
     }
 }

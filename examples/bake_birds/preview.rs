@@ -8,17 +8,24 @@ use image::{Rgb, RgbImage};
 
 use crate::idle;
 use crate::model::Model;
+use crate::scatter;
 use crate::skeleton::{Pose, Skeleton};
 use crate::species::Species;
 
 /// A triangle with one colour (sRGB 0..1).
 pub struct Face {
-    points: [Vec3; 3],
-    color: [f32; 3],
+    /// Corners.
+    pub points: [Vec3; 3],
+    /// Colour.
+    pub color: [f32; 3],
 }
 
 fn to_srgb(c: f32) -> f32 {
-    if c <= 0.0031308 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+    if c <= 0.0031308 {
+        12.92 * c
+    } else {
+        1.055 * c.powf(1.0 / 2.4) - 0.055
+    }
 }
 
 /// Skinned triangles of the model.
@@ -30,44 +37,71 @@ fn skinned(model: &Model, matrices: &[Mat4], faces: &mut Vec<Face>, lighten: f32
             .iter()
             .map(|v| {
                 (0..4)
-                    .map(|k| matrices[v.binding.0[k] as usize].transform_point3(v.position) * v.binding.1[k])
+                    .map(|k| {
+                        matrices[v.binding.0[k] as usize].transform_point3(v.position)
+                            * v.binding.1[k]
+                    })
                     .sum()
             })
             .collect();
         for t in &p.triangles {
             let color = std::array::from_fn(|c| {
-                let mean = t.iter().map(|i| p.vertices[*i as usize].color[c]).sum::<f32>() / 3.0;
+                let mean = t
+                    .iter()
+                    .map(|i| p.vertices[*i as usize].color[c])
+                    .sum::<f32>()
+                    / 3.0;
                 to_srgb(mean) * if part.skin { lighten } else { 1.0 }
             });
-            faces.push(Face { points: t.map(|i| place[i as usize]), color });
+            faces.push(Face {
+                points: t.map(|i| place[i as usize]),
+                color,
+            });
         }
     }
 }
 
 /// Weighted blend of joint rotations, as the groom module does it.
-pub fn blended(skeleton: &Skeleton, rotations: &[Quat], follow: &[(String, f32)], right: bool) -> Quat {
+pub fn blended(
+    skeleton: &Skeleton,
+    rotations: &[Quat],
+    follow: &[(String, f32)],
+    right: bool,
+) -> Quat {
     let mut sum = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
     let mut first: Option<Quat> = None;
     for (name, weight) in follow {
-        let name = if right { name.replace("_L", "_R") } else { name.clone() };
+        let name = if right {
+            name.replace("_L", "_R")
+        } else {
+            name.clone()
+        };
         let mut q = rotations[skeleton.index(&name)];
         let reference = *first.get_or_insert(q);
         if q.dot(reference) < 0.0 {
             q = -q;
         }
-        sum = sum + q * *weight;
+        sum += q * *weight;
     }
-    if sum.length_squared() > 1e-12 { sum.normalize() } else { Quat::IDENTITY }
+    if sum.length_squared() > 1e-12 {
+        sum.normalize()
+    } else {
+        Quat::IDENTITY
+    }
 }
 
 /// Interpolated place `t` of a row.
 fn station(row: &Row, t: f32) -> (Station, f32) {
-    let k = row.stations.partition_point(|s| s.at <= t + 1e-6).clamp(1, row.stations.len() - 1);
+    let k = row
+        .stations
+        .partition_point(|s| s.at <= t + 1e-6)
+        .clamp(1, row.stations.len() - 1);
     let (a, b) = (&row.stations[k - 1], &row.stations[k]);
     let u = ((t - a.at) / (b.at - a.at).max(1e-6)).clamp(0.0, 1.0);
     let mix = |x: [f32; 3], y: [f32; 3]| Vec3::from(x).lerp(Vec3::from(y), u).to_array();
     let blend = |x: &[(String, f32)], y: &[(String, f32)]| {
-        let mut out: Vec<(String, f32)> = x.iter().map(|(n, w)| (n.clone(), w * (1.0 - u))).collect();
+        let mut out: Vec<(String, f32)> =
+            x.iter().map(|(n, w)| (n.clone(), w * (1.0 - u))).collect();
         for (n, w) in y {
             match out.iter_mut().find(|(m, _)| m == n) {
                 Some(slot) => slot.1 += w * u,
@@ -110,12 +144,26 @@ fn lifted(q: Quat, direction: [f32; 3], normal: [f32; 3], flip: Vec3, degrees: f
 }
 
 /// Feathers of a row in a pose.
-pub fn pose_row(skeleton: &Skeleton, matrices: &[Mat4], rotations: &[Quat], row: &Row, right: bool) -> Vec<Posed> {
+pub fn pose_row(
+    skeleton: &Skeleton,
+    matrices: &[Mat4],
+    rotations: &[Quat],
+    row: &Row,
+    right: bool,
+) -> Vec<Posed> {
     let n = row.lengths.len();
-    let flip = if right { Vec3::new(-1.0, 1.0, 1.0) } else { Vec3::ONE };
+    let flip = if right {
+        Vec3::new(-1.0, 1.0, 1.0)
+    } else {
+        Vec3::ONE
+    };
     (0..n)
         .map(|i| {
-            let t = if n > 1 { i as f32 / (n - 1) as f32 } else { 0.0 };
+            let t = if n > 1 {
+                i as f32 / (n - 1) as f32
+            } else {
+                0.0
+            };
             let (s, _) = station(row, t);
             let q = blended(skeleton, rotations, &s.follow, right);
             let at = Vec3::from(s.root) * flip;
@@ -124,7 +172,11 @@ pub fn pose_row(skeleton: &Skeleton, matrices: &[Mat4], rotations: &[Quat], row:
                 .ride
                 .iter()
                 .map(|(name, w)| {
-                    let name = if right { name.replace("_L", "_R") } else { name.clone() };
+                    let name = if right {
+                        name.replace("_L", "_R")
+                    } else {
+                        name.clone()
+                    };
                     matrices[skeleton.index(&name)].transform_point3(at) * (*w / total)
                 })
                 .sum();
@@ -139,7 +191,13 @@ pub fn pose_row(skeleton: &Skeleton, matrices: &[Mat4], rotations: &[Quat], row:
         .collect()
 }
 
-fn cards(groom: &Groom, skeleton: &Skeleton, pose: &Pose, matrices: &[Mat4], faces: &mut Vec<Face>) {
+fn cards(
+    groom: &Groom,
+    skeleton: &Skeleton,
+    pose: &Pose,
+    matrices: &[Mat4],
+    faces: &mut Vec<Face>,
+) {
     let rotations = skeleton.rotations(pose);
     for row in &groom.rows {
         for right in [false, true] {
@@ -147,7 +205,10 @@ fn cards(groom: &Groom, skeleton: &Skeleton, pose: &Pose, matrices: &[Mat4], fac
                 continue;
             }
             let n = row.lengths.len();
-            for (i, f) in pose_row(skeleton, matrices, &rotations, row, right).iter().enumerate() {
+            for (i, f) in pose_row(skeleton, matrices, &rotations, row, right)
+                .iter()
+                .enumerate()
+            {
                 let t = i as f32 / (n.max(2) - 1) as f32;
                 let across = f.normal.cross(f.direction).normalize_or_zero();
                 let shade = 0.92 + 0.16 * (i % 2) as f32;
@@ -161,10 +222,18 @@ fn cards(groom: &Groom, skeleton: &Skeleton, pose: &Pose, matrices: &[Mat4], fac
                 let steps = 10;
                 for k in 0..steps {
                     let (a, b) = (k as f32 / steps as f32, (k + 1) as f32 / steps as f32);
-                    let p = |v: f32, s: f32| f.root + f.direction * (f.length * v) + across * (s * half(v));
+                    let p = |v: f32, s: f32| {
+                        f.root + f.direction * (f.length * v) + across * (s * half(v))
+                    };
                     let quad = [p(a, -1.0), p(a, 1.0), p(b, 1.0), p(b, -1.0)];
-                    faces.push(Face { points: [quad[0], quad[1], quad[2]], color });
-                    faces.push(Face { points: [quad[0], quad[2], quad[3]], color });
+                    faces.push(Face {
+                        points: [quad[0], quad[1], quad[2]],
+                        color,
+                    });
+                    faces.push(Face {
+                        points: [quad[0], quad[2], quad[3]],
+                        color,
+                    });
                 }
             }
         }
@@ -198,28 +267,47 @@ pub fn draw(faces: &[Face], from: Vec3, size: u32, window: Option<(Vec3, f32)>) 
     let half = 0.5 * size as f32;
     for face in faces {
         let p = face.points.map(view).map(|v| {
-            Vec3::new((v.x - middle.x) * scale + half, half - (v.y - middle.y) * scale, v.z)
+            Vec3::new(
+                (v.x - middle.x) * scale + half,
+                half - (v.y - middle.y) * scale,
+                v.z,
+            )
         });
         let area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
         if area.abs() < 1e-6 {
             continue;
         }
-        let n = (face.points[1] - face.points[0]).cross(face.points[2] - face.points[0]).normalize_or_zero();
+        let n = (face.points[1] - face.points[0])
+            .cross(face.points[2] - face.points[0])
+            .normalize_or_zero();
         let n = if n.dot(f) < 0.0 { -n } else { n };
         let shade = 0.35 + 0.5 * n.dot(light).max(0.0) + 0.25 * n.dot(f).max(0.0);
-        let rgb = Rgb(face.color.map(|c| (255.0 * (c * shade).clamp(0.0, 1.0)) as u8));
+        let rgb = Rgb(face
+            .color
+            .map(|c| (255.0 * (c * shade).clamp(0.0, 1.0)) as u8));
         let limit = size as f32 - 1.0;
         let range = |k: fn(&Vec3) -> f32| {
             let v = p.each_ref().map(k);
-            let lo = v.iter().copied().fold(f32::MAX, f32::min).floor().clamp(0.0, limit);
-            let hi = v.iter().copied().fold(f32::MIN, f32::max).ceil().clamp(0.0, limit);
+            let lo = v
+                .iter()
+                .copied()
+                .fold(f32::MAX, f32::min)
+                .floor()
+                .clamp(0.0, limit);
+            let hi = v
+                .iter()
+                .copied()
+                .fold(f32::MIN, f32::max)
+                .ceil()
+                .clamp(0.0, limit);
             (lo as u32, hi as u32)
         };
         let ((x0, x1), (y0, y1)) = (range(|v| v.x), range(|v| v.y));
         for y in y0..=y1 {
             for x in x0..=x1 {
                 let (cx, cy) = (x as f32 + 0.5, y as f32 + 0.5);
-                let w = |a: Vec3, b: Vec3| ((b.x - a.x) * (cy - a.y) - (b.y - a.y) * (cx - a.x)) / area;
+                let w =
+                    |a: Vec3, b: Vec3| ((b.x - a.x) * (cy - a.y) - (b.y - a.y) * (cx - a.x)) / area;
                 let (c, a, b) = (w(p[0], p[1]), w(p[1], p[2]), w(p[2], p[0]));
                 if a < 0.0 || b < 0.0 || c < 0.0 {
                     continue;
@@ -243,8 +331,12 @@ pub fn sheets(species: &Species, model: &Model, groom: &Groom, dir: &Path) -> Re
     let middle = if species.is_parrot() { 3.3 } else { 4.1 };
     let mut spread = skeleton.bind();
     idle::set_wings(species, skeleton, &mut spread, [species.spread; 2]);
-    let poses =
-        [("bind", bind), ("fold", idle::pose(species, skeleton, 0.0)), ("mid", idle::pose(species, skeleton, middle)), ("spread", spread)];
+    let poses = [
+        ("bind", bind),
+        ("fold", idle::pose(species, skeleton, 0.0)),
+        ("mid", idle::pose(species, skeleton, middle)),
+        ("spread", spread),
+    ];
     let views = [
         Vec3::X,
         Vec3::Z,
@@ -257,30 +349,45 @@ pub fn sheets(species: &Species, model: &Model, groom: &Groom, dir: &Path) -> Re
     ];
     for (name, pose) in &poses {
         let matrices = skeleton.matrices(pose);
-        for with in [false, true] {
+        for (level, suffix) in ["", "_rows", "_all"].iter().enumerate() {
             let mut faces = Vec::new();
             skinned(model, &matrices, &mut faces, 1.6);
-            if with {
+            if level > 0 {
                 cards(groom, skeleton, pose, &matrices, &mut faces);
             }
-            let size = 480;
+            if level > 1 {
+                faces.extend(scatter::cards(species, model, groom, &matrices));
+            }
+            let size = if level > 1 { 720 } else { 480 };
             let mut sheet = RgbImage::new(size * 4, size * 2);
             for (i, v) in views.iter().enumerate() {
                 let picture = draw(&faces, *v, size, None);
-                image::imageops::replace(&mut sheet, &picture, (i as u32 % 4 * size).into(), (i as u32 / 4 * size).into());
+                image::imageops::replace(
+                    &mut sheet,
+                    &picture,
+                    (i as u32 % 4 * size).into(),
+                    (i as u32 / 4 * size).into(),
+                );
             }
-            let file = dir.join(format!("{}_{name}{}.png", species.name, if with { "_rows" } else { "" }));
-            sheet.save(&file).map_err(|e| format!("{}: {e}", file.display()))?;
-            if *name == "fold" && !with {
+            let file = dir.join(format!("{}_{name}{}.png", species.name, suffix));
+            sheet
+                .save(&file)
+                .map_err(|e| format!("{}: {e}", file.display()))?;
+            if *name == "fold" && level == 0 {
                 let centre = species.joint("head") + Vec3::new(0.0, 10.0, 25.0);
                 let radius = if species.is_parrot() { 62.0 } else { 75.0 };
                 let mut sheet = RgbImage::new(size * 4, size);
-                for (i, v) in [views[0], views[2], views[1], Vec3::new(0.5, -0.4, 0.8)].iter().enumerate() {
+                for (i, v) in [views[0], views[2], views[1], Vec3::new(0.5, -0.4, 0.8)]
+                    .iter()
+                    .enumerate()
+                {
                     let picture = draw(&faces, *v, size, Some((centre, radius)));
                     image::imageops::replace(&mut sheet, &picture, (i as u32 * size).into(), 0);
                 }
                 let file = dir.join(format!("{}_head.png", species.name));
-                sheet.save(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+                sheet
+                    .save(&file)
+                    .map_err(|e| format!("{}: {e}", file.display()))?;
                 let centre = species.joint("foot_L") * Vec3::new(0.0, 1.0, 1.0);
                 let mut sheet = RgbImage::new(size * 3, size);
                 for (i, v) in [views[0], views[2], views[1]].iter().enumerate() {
@@ -288,7 +395,9 @@ pub fn sheets(species: &Species, model: &Model, groom: &Groom, dir: &Path) -> Re
                     image::imageops::replace(&mut sheet, &picture, (i as u32 * size).into(), 0);
                 }
                 let file = dir.join(format!("{}_feet.png", species.name));
-                sheet.save(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+                sheet
+                    .save(&file)
+                    .map_err(|e| format!("{}: {e}", file.display()))?;
             }
         }
     }

@@ -30,14 +30,27 @@ fn round(v: Vec3, digits: f32) -> [f32; 3] {
 impl<'a> Builder<'a> {
     /// Prepares the bind frame.
     pub fn new(species: &'a Species, body: &'a Body<'a>) -> Self {
-        let ulna_share = if species.is_parrot() { 9.0 / 12.0 } else { 13.0 / 17.0 };
-        Self { species, body, bind: WingPlane::bind(species), ulna_share }
+        let ulna_share = if species.is_parrot() {
+            9.0 / 12.0
+        } else {
+            13.0 / 17.0
+        };
+        Self {
+            species,
+            body,
+            bind: WingPlane::bind(species),
+            ulna_share,
+        }
     }
 
     /// All rows.
     pub fn rows(&self) -> Vec<Row> {
         let parrot = self.species.is_parrot();
-        let looks = if parrot { tables::MACAW_ROWS } else { tables::EAGLE_ROWS };
+        let looks = if parrot {
+            tables::MACAW_ROWS
+        } else {
+            tables::EAGLE_ROWS
+        };
         let mut rows: Vec<Row> = looks.iter().map(|l| self.row(l)).collect();
         rows.extend(self.tail_coverts());
         rows
@@ -95,7 +108,12 @@ impl<'a> Builder<'a> {
             offset: 0.0,
             segments: look.segments,
             tint: Tint(srgb(look.tint.0), srgb(look.tint.1)),
-            jitter: Jitter { yaw: 0.5, roll: 1.0, lift: 0.5, ..Jitter::default() },
+            jitter: Jitter {
+                yaw: 0.5,
+                roll: 1.0,
+                lift: 0.5,
+                ..Jitter::default()
+            },
         }
     }
 
@@ -110,19 +128,40 @@ impl<'a> Builder<'a> {
                 let number = 1.0 + 9.0 * t;
                 let (root, ride) = self.hand_point(number, 0.6);
                 let direction = self.bind.direction(self.bind.primary(number));
-                (root - n * (step * (index as f32 + 7.0)), direction, self.tilt(direction, 2.5), ride, self.primary_follow(number))
+                (
+                    root - n * (step * (index as f32 + 7.0)),
+                    direction,
+                    self.tilt(direction, 2.5),
+                    ride,
+                    self.primary_follow(number),
+                )
             }
             "secondaries" => {
                 let (root, ride) = self.arm_point(t, 1.0);
                 let direction = self.bind.direction(self.bind.secondary(t, self.species).0);
-                (root + n * (step * (index as f32 - 6.0)), direction, self.tilt(direction, 2.0), ride, self.secondary_follow(t))
+                (
+                    root + n * (step * (index as f32 - 6.0)),
+                    direction,
+                    self.tilt(direction, 2.0),
+                    ride,
+                    self.secondary_follow(t),
+                )
             }
             "alula" => {
                 let from = self.species.joint("alula_L");
                 let along = self.bind.direction(self.bind.azimuths[2]);
-                let root = self.body.project(from + along * (3.0 * s * (3.0 - index as f32)) + n * (4.0 * s), 3) + n * (0.4 * s * index as f32);
+                let root = self.body.project(
+                    from + along * (3.0 * s * (3.0 - index as f32)) + n * (4.0 * s),
+                    3,
+                ) + n * (0.4 * s * index as f32);
                 let direction = self.bind.direction(self.bind.azimuths[2] + 10.0 - 7.0 * t);
-                (root, direction, n, vec![joint("alula_L", 1.0)], vec![joint("alula_L", 1.0)])
+                (
+                    root,
+                    direction,
+                    n,
+                    vec![joint("alula_L", 1.0)],
+                    vec![joint("alula_L", 1.0)],
+                )
             }
             "primary_coverts" | "median_primary" | "under_primary" | "under_median_primary" => {
                 let number = 1.0 + 9.0 * t;
@@ -138,7 +177,10 @@ impl<'a> Builder<'a> {
                 let direction = self.bind.direction(azimuth);
                 (root, direction, n * side, ride, self.primary_follow(number))
             }
-            "greater_coverts" | "median_secondary" | "under_secondary" | "under_median_secondary" => {
+            "greater_coverts"
+            | "median_secondary"
+            | "under_secondary"
+            | "under_median_secondary" => {
                 let (back, side) = match name {
                     "greater_coverts" => (0.72, 1.0),
                     "median_secondary" => (0.4, 1.0),
@@ -154,7 +196,8 @@ impl<'a> Builder<'a> {
             "axillaries" => {
                 let [shoulder, elbow, ..] = self.bind.points;
                 let along = shoulder.lerp(elbow, 0.12 + 0.8 * t);
-                let behind = self.bind.direction(self.bind.azimuths[0] + 90.0) * (0.6 * self.species.arm[0]);
+                let behind =
+                    self.bind.direction(self.bind.azimuths[0] + 90.0) * (0.6 * self.species.arm[0]);
                 let root = self.on_skin(along + behind, -1.0);
                 let direction = self.bind.direction(80.0 + 15.0 * (1.0 - t));
                 let follow = vec![joint("humerus_L", 0.4), joint("ulna_L", 0.6)];
@@ -177,8 +220,13 @@ impl<'a> Builder<'a> {
         } else {
             (knuckle.lerp(tip, 0.26 * (number - 7.0)), 1.0)
         };
-        let behind = self.bind.direction(self.bind.azimuths[2] + 90.0) * (self.species.arm[2] * back);
-        let ride = if digit > 0.0 { vec![joint("digit_L", 1.0)] } else { vec![joint("hand_L", 1.0)] };
+        let behind =
+            self.bind.direction(self.bind.azimuths[2] + 90.0) * (self.species.arm[2] * back);
+        let ride = if digit > 0.0 {
+            vec![joint("digit_L", 1.0)]
+        } else {
+            vec![joint("hand_L", 1.0)]
+        };
         (point + behind, ride)
     }
 
@@ -190,14 +238,20 @@ impl<'a> Builder<'a> {
         if share <= self.ulna_share {
             let f = 0.94 - 0.86 * share / self.ulna_share;
             let w = ((0.2 - f) / 0.4).clamp(0.0, 0.3);
-            (elbow.lerp(wrist, f) + behind * reach, vec![joint("ulna_L", 1.0 - w), joint("humerus_L", w)])
+            (
+                elbow.lerp(wrist, f) + behind * reach,
+                vec![joint("ulna_L", 1.0 - w), joint("humerus_L", w)],
+            )
         } else {
             let f = (share - self.ulna_share) / (1.0 - self.ulna_share);
             let start = elbow.lerp(wrist, 0.08);
             let end = elbow.lerp(shoulder, 0.25);
             let behind = behind.lerp(self.bind.direction(85.0), f).normalize();
             let w = 0.3 + 0.5 * f;
-            (start.lerp(end, f) + behind * reach, vec![joint("ulna_L", 1.0 - w), joint("humerus_L", w)])
+            (
+                start.lerp(end, f) + behind * reach,
+                vec![joint("ulna_L", 1.0 - w), joint("humerus_L", w)],
+            )
         }
     }
 
@@ -225,7 +279,11 @@ impl<'a> Builder<'a> {
     /// Weights of humerus, ulna and chest that best give the folded and the spread frame of a secondary or tertial.
     fn secondary_follow(&self, share: f32) -> Weights {
         let (fitted, _) = self.fit(share);
-        vec![joint("humerus_L", fitted[0]), joint("ulna_L", fitted[1]), joint("chest", fitted[2])]
+        vec![
+            joint("humerus_L", fitted[0]),
+            joint("ulna_L", fitted[1]),
+            joint("chest", fitted[2]),
+        ]
     }
 
     /// Fitted weights, and the angles (degrees) by which they miss the folded and the spread frame.
@@ -243,7 +301,7 @@ impl<'a> Builder<'a> {
             let mut sum = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
             for (q, v) in pose.1.iter().zip(w) {
                 let q = if q.dot(pose.1[0]) < 0.0 { -*q } else { *q };
-                sum = sum + q * v;
+                sum += q * v;
             }
             sum.normalize().angle_between(pose.0).to_degrees()
         };
@@ -275,7 +333,8 @@ impl<'a> Builder<'a> {
         let direction = back * yaw.cos() + Vec3::X * yaw.sin();
         let normal = Quat::from_axis_angle(direction, (-3.0 * i).to_radians()) * dorsal;
         let s = self.species.scale;
-        let root = self.species.joint("tail") + back * (4.0 * s)
+        let root = self.species.joint("tail")
+            + back * (4.0 * s)
             + Vec3::X * (2.2 * s * (i - 0.5))
             + dorsal * (0.8 * s * (3.0 - i));
         let follow = vec![joint("tail", 1.0 - share), joint("tail_fan_L", share)];
@@ -344,10 +403,15 @@ impl<'a> Builder<'a> {
 }
 
 fn ramp(ends: (f32, f32), n: usize) -> Vec<f32> {
-    (0..n).map(|i| ends.0 + (ends.1 - ends.0) * i as f32 / (n.max(2) - 1) as f32).collect()
+    (0..n)
+        .map(|i| ends.0 + (ends.1 - ends.0) * i as f32 / (n.max(2) - 1) as f32)
+        .collect()
 }
 
 /// Number of a template in the groom's feather list.
 pub fn template(species: &Species, name: &str) -> u16 {
-    tables::templates(species.is_parrot()).iter().position(|t| *t == name).unwrap_or(0) as u16
+    tables::templates(species.is_parrot())
+        .iter()
+        .position(|t| *t == name)
+        .unwrap_or(0) as u16
 }

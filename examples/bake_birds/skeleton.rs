@@ -71,13 +71,25 @@ impl Skeleton {
         }
         skeleton.add("tail", "hips", species.joint("tail"));
         for side in ["_L", "_R"] {
-            let mirror = if side == "_L" { Vec3::ONE } else { Vec3::new(-1.0, 1.0, 1.0) };
+            let mirror = if side == "_L" {
+                Vec3::ONE
+            } else {
+                Vec3::new(-1.0, 1.0, 1.0)
+            };
             for (stem, parent) in SIDE {
                 let parent = parent.replace("_L", side);
-                skeleton.add(&format!("{stem}{side}"), &parent, species.joint(&format!("{stem}_L")) * mirror);
+                skeleton.add(
+                    &format!("{stem}{side}"),
+                    &parent,
+                    species.joint(&format!("{stem}_L")) * mirror,
+                );
             }
             let foot = format!("foot{side}");
-            skeleton.add(&foot, &format!("tarsus{side}"), species.joint("foot_L") * mirror);
+            skeleton.add(
+                &foot,
+                &format!("tarsus{side}"),
+                species.joint("foot_L") * mirror,
+            );
             for (i, [a, b]) in toes.iter().enumerate() {
                 let first = format!("toe{}a{side}", i + 1);
                 skeleton.add(&first, &foot, *a * mirror);
@@ -89,7 +101,11 @@ impl Skeleton {
 
     fn add(&mut self, name: &str, parent: &str, position: Vec3) {
         let parent = self.joints.iter().position(|j| j.name == parent);
-        self.joints.push(Joint { name: name.to_string(), parent, position });
+        self.joints.push(Joint {
+            name: name.to_string(),
+            parent,
+            position,
+        });
     }
 
     /// Index of a joint by name; the root when there is none.
@@ -106,7 +122,11 @@ impl Skeleton {
     /// The bind pose.
     pub fn bind(&self) -> Pose {
         let n = self.joints.len();
-        Pose { rotation: vec![Quat::IDENTITY; n], offset: vec![Vec3::ZERO; n], scale: vec![Vec3::ONE; n] }
+        Pose {
+            rotation: vec![Quat::IDENTITY; n],
+            offset: vec![Vec3::ZERO; n],
+            scale: vec![Vec3::ONE; n],
+        }
     }
 
     /// Skinning matrices (model space to model space) of a pose.
@@ -131,7 +151,10 @@ impl Skeleton {
     pub fn rotations(&self, pose: &Pose) -> Vec<Quat> {
         let mut global: Vec<Quat> = Vec::with_capacity(self.joints.len());
         for (i, j) in self.joints.iter().enumerate() {
-            global.push(j.parent.map_or(pose.rotation[i], |p| global[p] * pose.rotation[i]));
+            global.push(
+                j.parent
+                    .map_or(pose.rotation[i], |p| global[p] * pose.rotation[i]),
+            );
         }
         global
     }

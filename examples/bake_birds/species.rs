@@ -78,8 +78,6 @@ pub struct Species {
     pub head: [HeadStation; 6],
     /// Joint positions in bind pose.
     pub joints: &'static [(&'static str, [f32; 3])],
-    /// Tip of the last wing digit.
-    pub wing_tip: [f32; 3],
     /// Lengths of humerus, ulna, carpometacarpus, digit.
     pub bones: [f32; 4],
     /// Wing folded at rest.
@@ -164,7 +162,13 @@ impl Species {
 
 /// Linear RGB of an sRGB hex colour.
 pub fn linear(hex: u32) -> [f32; 3] {
-    srgb(hex).map(|c| if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) })
+    srgb(hex).map(|c| {
+        if c <= 0.04045 {
+            c / 12.92
+        } else {
+            ((c + 0.055) / 1.055).powf(2.4)
+        }
+    })
 }
 
 /// sRGB components in 0..1 of a hex colour.
@@ -230,11 +234,31 @@ pub fn macaw() -> Species {
             ("tarsus_L", [28., 30., -23.]),
             ("foot_L", [28., 8., 1.]),
         ],
-        wing_tip: [270., 169., -10.],
         bones: [82., 98., 64., 48.],
-        fold: WingPose { azimuth: 100., elbow: 26., wrist: 28., roll: 70., push: 11., tuck: 2.4 },
-        bind: WingPose { azimuth: 45., elbow: 95., wrist: 110., roll: 0., push: 0., tuck: 0. },
-        spread: WingPose { azimuth: 12., elbow: 150., wrist: 165., roll: 0., push: 0., tuck: 0. },
+        fold: WingPose {
+            azimuth: 100.,
+            elbow: 26.,
+            wrist: 28.,
+            roll: 70.,
+            push: 11.,
+            tuck: 2.4,
+        },
+        bind: WingPose {
+            azimuth: 45.,
+            elbow: 95.,
+            wrist: 110.,
+            roll: 0.,
+            push: 0.,
+            tuck: 0.,
+        },
+        spread: WingPose {
+            azimuth: 12.,
+            elbow: 150.,
+            wrist: 165.,
+            roll: 0.,
+            push: 0.,
+            tuck: 0.,
+        },
         wing_slope: 58.,
         arm: [13., 11., 7., 3.7, 12.],
         legs: [[26., 20.], [20., 10.], [6.5, 6.5]],
@@ -321,11 +345,31 @@ pub fn eagle() -> Species {
             ("tarsus_L", [52., 101., -61.]),
             ("foot_L", [48., 14., -3.]),
         ],
-        wing_tip: [510., 321., -45.],
         bones: [185., 215., 105., 75.],
-        fold: WingPose { azimuth: 98., elbow: 22., wrist: 24., roll: 70., push: 17., tuck: 3. },
-        bind: WingPose { azimuth: 45., elbow: 95., wrist: 110., roll: 0., push: 0., tuck: 0. },
-        spread: WingPose { azimuth: 12., elbow: 150., wrist: 165., roll: 0., push: 0., tuck: 0. },
+        fold: WingPose {
+            azimuth: 98.,
+            elbow: 22.,
+            wrist: 24.,
+            roll: 70.,
+            push: 17.,
+            tuck: 3.,
+        },
+        bind: WingPose {
+            azimuth: 45.,
+            elbow: 95.,
+            wrist: 110.,
+            roll: 0.,
+            push: 0.,
+            tuck: 0.,
+        },
+        spread: WingPose {
+            azimuth: 12.,
+            elbow: 150.,
+            wrist: 165.,
+            roll: 0.,
+            push: 0.,
+            tuck: 0.,
+        },
         wing_slope: 58.,
         arm: [24., 20., 12., 6.2, 22.],
         legs: [[50., 30.], [34., 21.], [15., 13.]],

@@ -66,13 +66,24 @@ const fn row(
 }
 
 const TRUNK: &[Tract] = &[
-    Mantle, Back, Rump, Breast, Belly, Flank, Vent, TailUpper, TailUnder, ScapularMantle, ScapularFlank,
+    Mantle,
+    Back,
+    Rump,
+    Breast,
+    Belly,
+    Flank,
+    Vent,
+    TailUpper,
+    TailUnder,
+    ScapularMantle,
+    ScapularFlank,
 ];
 const HEAD: (u8, u8) = (2, 2);
 const CONTOUR: (u8, u8) = (4, 2);
 const LESSER: (u8, u8) = (3, 2);
 
 /// Scattered tracts of the macaw.
+#[rustfmt::skip]
 pub const MACAW: &[TractRow] = &[
     row("crown", &[Crown], "head", 420, 0, (8., 12.), (4.5, 6.), (10., 6.), (0.05, 10.), (0.1, 1800., HEAD), (0xC9241B, 0xC9241B)),
     row("nape", &[Nape], "head", 180, 0, (16., 24.), (8., 10.), (8., 8.), (0.06, 15.), (0.1, 1700., HEAD), (0xC9241B, 0xC9241B)),
@@ -98,6 +109,7 @@ pub const MACAW: &[TractRow] = &[
 ];
 
 /// Scattered tracts of the golden eagle.
+#[rustfmt::skip]
 pub const EAGLE: &[TractRow] = &[
     row("crown", &[Crown], "head", 480, 0, (12., 18.), (6., 8.), (10., 7.), (0.06, 10.), (0.1, 1800., HEAD), (0x8B6239, 0xB07C46)),
     row("nape", &[Nape], "hackle", 150, 0, (35., 60.), (10., 14.), (9., 9.), (0.12, 10.), (0.15, 1700., CONTOUR), (0xC4924F, 0xC4924F)),
@@ -127,13 +139,35 @@ pub const EAGLE: &[TractRow] = &[
 pub fn templates(parrot: bool) -> &'static [&'static str] {
     if parrot {
         &[
-            "head", "face_line", "neck", "contour", "soft", "blue", "semiplume", "lesser", "greater", "primary",
-            "secondary", "rectrix", "leg",
+            "head",
+            "face_line",
+            "neck",
+            "contour",
+            "soft",
+            "blue",
+            "semiplume",
+            "lesser",
+            "greater",
+            "primary",
+            "secondary",
+            "rectrix",
+            "leg",
         ]
     } else {
         &[
-            "head", "bristle", "hackle", "contour", "soft", "semiplume", "lesser", "greater", "primary", "secondary",
-            "rectrix", "trouser", "tarsal",
+            "head",
+            "bristle",
+            "hackle",
+            "contour",
+            "soft",
+            "semiplume",
+            "lesser",
+            "greater",
+            "primary",
+            "secondary",
+            "rectrix",
+            "trouser",
+            "tarsal",
         ]
     }
 }
@@ -168,17 +202,27 @@ const fn look(
     segments: (u8, u8),
     tint: (u32, u32),
 ) -> RowLook {
-    RowLook { name, feather, count, length, width, bend, segments, tint }
+    RowLook {
+        name,
+        feather,
+        count,
+        length,
+        width,
+        bend,
+        segments,
+        tint,
+    }
 }
 
 /// Rows of the macaw.
+#[rustfmt::skip]
 pub const MACAW_ROWS: &[RowLook] = &[
     look("primaries", "primary", 10, (0., 0.), (46., 28.), (0., 0.06, 6.), (14, 4), (0x1F3F9C, 0x1F3F9C)),
     look("secondaries", "secondary", 12, (0., 0.), (48., 46.), (0., 0.09, 10.), (12, 4), (0x2450AE, 0x2E6F86)),
     look("alula", "primary", 4, (45., 85.), (14., 20.), (3., 0.06, 8.), (6, 2), (0x1F46A6, 0x1F46A6)),
     look("primary_coverts", "greater", 10, (70., 110.), (24., 20.), (1.5, 0.07, 8.), (6, 2), (0x2450AE, 0x2450AE)),
     look("greater_coverts", "greater", 12, (78., 58.), (28., 34.), (5., 0.09, 10.), (6, 2), (0xF2BC14, 0xF2BC14)),
-    look("median_primary", "greater", 9, (46., 34.), (24., 20.), (6., 0.09, 12.), (4, 2), (0xF5C21A, 0x6E9A2A)),
+    look("median_primary", "greater", 9, (46., 34.), (24., 20.), (6., 0.09, 12.), (4, 2), (0xE0B81A, 0x2450AE)),
     look("median_secondary", "greater", 12, (52., 38.), (22., 28.), (6., 0.09, 12.), (4, 2), (0xF5C21A, 0xF5C21A)),
     look("under_primary", "greater", 10, (70., 95.), (28., 20.), (3., 0.06, 6.), (5, 2), (0xB0482A, 0xB0482A)),
     look("under_secondary", "greater", 12, (80., 55.), (24., 28.), (3., 0.06, 6.), (5, 2), (0xB0482A, 0xB0482A)),
@@ -189,6 +233,7 @@ pub const MACAW_ROWS: &[RowLook] = &[
 ];
 
 /// Rows of the eagle.
+#[rustfmt::skip]
 pub const EAGLE_ROWS: &[RowLook] = &[
     look("primaries", "primary", 10, (0., 0.), (72., 42.), (0., 0.06, 6.), (16, 4), (0x33271F, 0x33271F)),
     look("secondaries", "secondary", 17, (0., 0.), (75., 66.), (0., 0.09, 10.), (12, 4), (0x3B2E25, 0x3B2E25)),
@@ -207,7 +252,8 @@ pub const EAGLE_ROWS: &[RowLook] = &[
 
 /// Lengths that are listed one by one: primaries P1..P10, secondaries then tertials, rectrices R1..R6.
 pub fn lengths(parrot: bool) -> [Vec<f32>; 3] {
-    let ramp = |a: f32, b: f32, n: usize| (0..n).map(move |i| a + (b - a) * i as f32 / (n - 1) as f32);
+    let ramp =
+        |a: f32, b: f32, n: usize| (0..n).map(move |i| a + (b - a) * i as f32 / (n - 1) as f32);
     if parrot {
         [
             vec![195., 205., 218., 235., 256., 280., 303., 318., 325., 312.],
@@ -217,7 +263,9 @@ pub fn lengths(parrot: bool) -> [Vec<f32>; 3] {
     } else {
         [
             vec![310., 325., 343., 371., 418., 465., 493., 489., 451., 362.],
-            ramp(325., 300., 13).chain([280., 240., 200., 165.]).collect(),
+            ramp(325., 300., 13)
+                .chain([280., 240., 200., 165.])
+                .collect(),
             vec![345., 350., 350., 345., 338., 325.],
         ]
     }

@@ -51,7 +51,8 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
         return Tract::Bare;
     }
     let eye = s.joint("eye_L");
-    if !s.is_parrot() && (q.y - eye.y).hypot(q.z - eye.z) < 9.5 && q.x > 20.0 {
+    if !s.is_parrot() && ((q.y - eye.y) / 9.5).hypot((q.z - eye.z - 2.5) / 12.0) < 1.0 && q.x > 20.0
+    {
         return Tract::EyeRing;
     }
     let core = parts.trunk.distance.min(parts.head.distance);
@@ -83,10 +84,18 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     let [tail, rump, back, mantle] = arcs.dorsal;
     let [vent, belly] = arcs.ventral;
     if arc >= mantle {
-        return if theta < 92.0 { Tract::NeckDorsal } else { Tract::NeckVentral };
+        return if theta < 92.0 {
+            Tract::NeckDorsal
+        } else {
+            Tract::NeckVentral
+        };
     }
     if arc < tail {
-        return if theta < 88.0 { Tract::TailUpper } else { Tract::TailUnder };
+        return if theta < 88.0 {
+            Tract::TailUpper
+        } else {
+            Tract::TailUnder
+        };
     }
     if theta < 62.0 {
         let scapular = theta > 48.0 && arc < arcs.scapulars[1] && arc > back;
@@ -101,7 +110,11 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
         return Tract::Breast;
     }
     if theta > 122.0 {
-        return if arc > vent { Tract::Belly } else { Tract::Vent };
+        return if arc > vent {
+            Tract::Belly
+        } else {
+            Tract::Vent
+        };
     }
     if theta < 80.0 && arc > arcs.scapulars[0] && arc < arcs.scapulars[1] {
         return Tract::ScapularFlank;
@@ -111,7 +124,9 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
 
 fn nearest_leg(body: &Body, parts: &Parts) -> usize {
     let n = if body.species.feathered_tarsus { 3 } else { 2 };
-    (0..n).min_by(|a, b| parts.legs[*a].0.total_cmp(&parts.legs[*b].0)).unwrap_or(0)
+    (0..n)
+        .min_by(|a, b| parts.legs[*a].0.total_cmp(&parts.legs[*b].0))
+        .unwrap_or(0)
 }
 
 fn bare(body: &Body, q: Vec3) -> bool {
@@ -149,7 +164,16 @@ fn wing(body: &Body, q: Vec3) -> Tract {
     if upper {
         match c {
             c if c < 0.22 => Tract::MarginalUpper,
-            c if c < if inner { 1.1 } else if on_hand { 0.5 } else { 0.74 } => Tract::LesserUpper,
+            c if c < if inner {
+                1.1
+            } else if on_hand {
+                0.5
+            } else {
+                0.74
+            } =>
+            {
+                Tract::LesserUpper
+            }
             _ => Tract::CovertUpper,
         }
     } else {
@@ -197,7 +221,11 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         Tract::LesserUnder => (c() - 0.25) / 0.53,
         Tract::CovertUpper | Tract::CovertUnder => (c() - 0.74) / 0.26,
     };
-    if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 }
+    if value.is_finite() {
+        value.clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
 }
 
 /// Under-mesh colour of a tract before darkening (sRGB hex): the colour of the plumage above it.
@@ -221,7 +249,7 @@ pub fn color(parrot: bool, tract: Tract) -> u32 {
             Nape | NeckDorsal => 0xA97B45,
             Cheek | NeckVentral => 0x5C412A,
             Lore => 0x4A3828,
-            EyeRing => 0x6A5530,
+            EyeRing => 0x5A4628,
             Rump => 0x5A4230,
             Vent | TailUpper | TailUnder => 0x6B4E35,
             Femoral => 0x54392A,

@@ -52,8 +52,11 @@ impl Names {
 pub fn bind(body: &Body, skeleton: &Skeleton, surface: &Surface) -> Vec<Binding> {
     let names = Names::new(skeleton);
     let n = skeleton.joints.len();
-    let mut dense: Vec<Vec<f32>> =
-        surface.points.iter().map(|p| raw(body, skeleton, &names, n, *p)).collect();
+    let mut dense: Vec<Vec<f32>> = surface
+        .points
+        .iter()
+        .map(|p| raw(body, skeleton, &names, n, *p))
+        .collect();
     let mut neighbours = vec![Vec::<u32>::new(); surface.points.len()];
     for t in &surface.triangles {
         for i in 0..3 {
@@ -65,7 +68,12 @@ pub fn bind(body: &Body, skeleton: &Skeleton, surface: &Surface) -> Vec<Binding>
         for (i, w) in dense.iter_mut().enumerate() {
             let share = 0.5 / neighbours[i].len().max(1) as f32;
             for (j, v) in w.iter_mut().enumerate() {
-                *v = 0.5 * old[i][j] + neighbours[i].iter().map(|k| old[*k as usize][j]).sum::<f32>() * share;
+                *v = 0.5 * old[i][j]
+                    + neighbours[i]
+                        .iter()
+                        .map(|k| old[*k as usize][j])
+                        .sum::<f32>()
+                        * share;
             }
         }
     }
@@ -105,7 +113,9 @@ fn raw(body: &Body, skeleton: &Skeleton, names: &Names, n: usize, p: Vec3) -> Ve
     let chest = smoothstep(s.rigid[0], s.rigid[1], arc);
     w[names.tail] = tail;
     w[names.hips] = (1.0 - tail) * (1.0 - chest);
-    let chain_arcs = names.chain.map(|j| body.trunk.hit(skeleton.joints[j].position).arc);
+    let chain_arcs = names
+        .chain
+        .map(|j| body.trunk.hit(skeleton.joints[j].position).arc);
     let mut carried = chest * (1.0 - tail);
     for i in 1..6 {
         let half = 0.5 * (chain_arcs[i] - chain_arcs[i - 1]).max(4.0);
@@ -119,7 +129,11 @@ fn raw(body: &Body, skeleton: &Skeleton, names: &Names, n: usize, p: Vec3) -> Ve
     let plane = s.arcs.head_plane - 0.15 * (joint.z - q.z);
     let front = smoothstep(joint.z + 8.0 * s.scale, joint.z + 30.0 * s.scale, q.z);
     let reach = 10.0 * s.scale.sqrt();
-    let head = smoothstep(plane - reach - front * reach, plane + reach * (1.0 - front), q.y);
+    let head = smoothstep(
+        plane - reach - front * reach,
+        plane + reach * (1.0 - front),
+        q.y,
+    );
     for v in &mut w {
         *v *= 1.0 - head;
     }
@@ -142,18 +156,31 @@ fn legs(
 ) {
     let s = body.species;
     let reach = s.blend[0];
-    let near = legs[0].0.min(legs[1].0).min(if s.feathered_tarsus { legs[2].0 } else { f32::MAX });
-    let share = smoothstep(-reach, reach, core - near) * (1.0 - smoothstep(0.0, 40.0, q.y - s.arcs.leg_top));
+    let near = legs[0].0.min(legs[1].0).min(if s.feathered_tarsus {
+        legs[2].0
+    } else {
+        f32::MAX
+    });
+    let share = smoothstep(-reach, reach, core - near)
+        * (1.0 - smoothstep(0.0, 40.0, q.y - s.arcs.leg_top));
     if share <= 0.0 {
         return;
     }
     let mut own = [0.0; 4];
     // Along the limb: hips give way to the femur, then each joint to the next.
-    let knee = smoothstep(-0.6 * s.legs[0][1], 0.6 * s.legs[0][1], legs[0].0 - legs[1].0);
+    let knee = smoothstep(
+        -0.6 * s.legs[0][1],
+        0.6 * s.legs[0][1],
+        legs[0].0 - legs[1].0,
+    );
     let femur = smoothstep(0.1, 0.6, legs[0].1);
     own[0] = (1.0 - knee) * femur;
     let ankle = if s.feathered_tarsus {
-        smoothstep(-0.6 * s.legs[1][1], 0.6 * s.legs[1][1], legs[1].0 - legs[2].0)
+        smoothstep(
+            -0.6 * s.legs[1][1],
+            0.6 * s.legs[1][1],
+            legs[1].0 - legs[2].0,
+        )
     } else {
         smoothstep(0.9, 1.1, legs[1].1)
     };
@@ -183,7 +210,12 @@ fn wing(body: &Body, names: &Names, side: &Side, distance: f32, core: f32, q: Ve
     }
     let mut own = vec![0.0; w.len()];
     let radii = [s.arm[0], s.arm[1], s.arm[2], 0.8 * s.arm[2]];
-    let bones = [(shoulder, elbow), (elbow, wrist), (wrist, knuckle), (knuckle, tip)];
+    let bones = [
+        (shoulder, elbow),
+        (elbow, wrist),
+        (wrist, knuckle),
+        (knuckle, tip),
+    ];
     for (i, (a, b)) in bones.iter().enumerate() {
         let d = crate::body::cone(q, *a, *b, [0.0, 0.0]).0;
         let v = (1.0 - (d - radii[i]).max(0.0) / (1.2 * radii[i] + 6.0)).max(0.0);
@@ -197,7 +229,11 @@ fn wing(body: &Body, names: &Names, side: &Side, distance: f32, core: f32, q: Ve
     let c = (fe - fs).perp_dot(flat - fs) / area;
     let inside = smoothstep(0.0, 0.12, (1.0 - b - c).min(b).min(c) + 0.06);
     let sheet = inside * (1.0 - (own[side.wing[0]] + own[side.wing[1]]).min(1.0));
-    let (a, b, c) = ((1.0 - b - c).clamp(0.0, 1.0), b.clamp(0.0, 1.0), c.clamp(0.0, 1.0));
+    let (a, b, c) = (
+        (1.0 - b - c).clamp(0.0, 1.0),
+        b.clamp(0.0, 1.0),
+        c.clamp(0.0, 1.0),
+    );
     let total = (a + b + c).max(1e-3);
     own[side.wing[0]] += sheet * 0.7 * (a + 0.5 * b) / total;
     own[side.wing[1]] += sheet * 0.7 * (c + 0.5 * b) / total;

@@ -54,7 +54,7 @@ impl WingPlane {
             tailward,
             normal,
             points: [shoulder, elbow, wrist, knuckle, tip],
-            strip: [elbow + back - inset * 0.0, wrist + back - inset],
+            strip: [elbow + back, wrist + back - inset],
             azimuths,
             pose,
         }
@@ -86,7 +86,17 @@ impl WingPlane {
         let edge = 6.0 * (t - w).length() / 112.0;
         let lead = polyline(q, &[s, w - hand * -edge, t - hand * -edge]);
         let behind = (se - e) * 0.8;
-        let trail = polyline(q, &[s + behind, e + behind, se, sw, w - hand * edge, t - hand * edge]);
+        let trail = polyline(
+            q,
+            &[
+                s + behind,
+                e + behind,
+                se,
+                sw,
+                w - hand * edge,
+                t - hand * edge,
+            ],
+        );
         lead / (lead + trail).max(1e-3)
     }
 
@@ -113,10 +123,20 @@ impl WingPlane {
     /// Global rotations since bind of humerus, ulna and hand.
     pub fn rotations(&self, bind: &Self) -> [Quat; 3] {
         let roll = Quat::from_axis_angle(bind.tailward, self.pose.roll.to_radians());
-        let dip = Quat::from_axis_angle(bind.direction(bind.azimuths[2] + 90.0), self.pose.tuck.to_radians());
+        let dip = Quat::from_axis_angle(
+            bind.direction(bind.azimuths[2] + 90.0),
+            self.pose.tuck.to_radians(),
+        );
         [0, 1, 2].map(|i| {
-            let turn = Quat::from_axis_angle(bind.normal, (self.azimuths[i] - bind.azimuths[i]).to_radians());
-            if i == 2 { roll * turn * dip } else { roll * turn }
+            let turn = Quat::from_axis_angle(
+                bind.normal,
+                (self.azimuths[i] - bind.azimuths[i]).to_radians(),
+            );
+            if i == 2 {
+                roll * turn * dip
+            } else {
+                roll * turn
+            }
         })
     }
 }
