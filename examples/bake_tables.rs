@@ -19,7 +19,10 @@ fn fresnel(cos: f64, eta: f64) -> f64 {
         return 1.0;
     }
     let t = (1.0 - sin2).sqrt();
-    let (s, p) = ((cos - eta * t) / (cos + eta * t), (t - eta * cos) / (t + eta * cos));
+    let (s, p) = (
+        (cos - eta * t) / (cos + eta * t),
+        (t - eta * cos) / (t + eta * cos),
+    );
     0.5 * (s * s + p * p)
 }
 
@@ -52,14 +55,26 @@ fn scatter(d: [f64; 3], g: f64, rng: &mut Pcg64Mcg) -> [f64; 3] {
 }
 
 /// Follows one path; None if it was never scattered. Returns the direction outside and the length inside.
-fn path(h: f64, cos_theta: f64, eta: f64, kappa: f64, sigma: f64, g: f64, rng: &mut Pcg64Mcg) -> Option<([f64; 3], f64)> {
+fn path(
+    h: f64,
+    cos_theta: f64,
+    eta: f64,
+    kappa: f64,
+    sigma: f64,
+    g: f64,
+    rng: &mut Pcg64Mcg,
+) -> Option<([f64; 3], f64)> {
     let sin_theta = (1.0 - cos_theta * cos_theta).max(0.0).sqrt();
     // The eye is at azimuth 0 (z); the ray runs from it into the fibre at y = h.
     let mut p = [0.0, h, (1.0 - h * h).max(0.0).sqrt()];
     let cos_in = cos_theta * p[2];
     let t = (1.0 - (1.0 - cos_in * cos_in) / (eta * eta)).sqrt();
     let bend = cos_in / eta - t;
-    let mut d = [-sin_theta / eta, bend * p[1], -cos_theta / eta + bend * p[2]];
+    let mut d = [
+        -sin_theta / eta,
+        bend * p[1],
+        -cos_theta / eta + bend * p[2],
+    ];
     let (mut scattered, mut length) = (false, 0.0);
     for _ in 0..10_000 {
         let (_, wall) = cylinder(p, d, 1.0)?;
@@ -89,7 +104,12 @@ fn path(h: f64, cos_theta: f64, eta: f64, kappa: f64, sigma: f64, g: f64, rng: &
         } else {
             let t = (1.0 - eta * eta * (1.0 - cos * cos)).max(0.0).sqrt();
             let k = t - eta * cos;
-            return scattered.then(|| ([eta * d[0], eta * d[1] + k * p[1], eta * d[2] + k * p[2]], length));
+            return scattered.then(|| {
+                (
+                    [eta * d[0], eta * d[1] + k * p[1], eta * d[2] + k * p[2]],
+                    length,
+                )
+            });
         }
     }
     None
@@ -97,7 +117,9 @@ fn path(h: f64, cos_theta: f64, eta: f64, kappa: f64, sigma: f64, g: f64, rng: &
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = env::args().skip(1);
-    let file = arguments.next().unwrap_or_else(|| "src/scattering/tables/medulla.bin".into());
+    let file = arguments
+        .next()
+        .unwrap_or_else(|| "src/scattering/tables/medulla.bin".into());
     let paths: usize = arguments.next().map_or(Ok(120_000), |s| s.parse())?;
     let eta = 1.55;
     let (kappas, taus, gs, cosines) = MEDULLA_AXES;
@@ -111,12 +133,23 @@ fn main() -> Result<(), Box<dyn Error>> {
                     let mut rng = Pcg64Mcg::new(0xcafe_f00d_d15e_a5e5 + (seed << 32));
                     let mut sum = [0.0; 6];
                     for i in 0..paths {
-                        let h = (2.0 * (i as f64 + uniform(&mut rng)) / paths as f64 - 1.0).clamp(-0.999_999_9, 0.999_999_9);
+                        let h = (2.0 * (i as f64 + uniform(&mut rng)) / paths as f64 - 1.0)
+                            .clamp(-0.999_999_9, 0.999_999_9);
                         let weight = 1.0 - fresnel(cos_theta * (1.0 - h * h).sqrt(), eta);
-                        let Some((out, length)) = path(h, cos_theta, eta, kappa, tau / kappa, g, &mut rng) else { continue };
+                        let Some((out, length)) =
+                            path(h, cos_theta, eta, kappa, tau / kappa, g, &mut rng)
+                        else {
+                            continue;
+                        };
                         let phi = out[1].atan2(out[2]);
-                        let values =
-                            [1.0, phi.cos(), (2.0 * phi).cos(), out[0], (-0.2 * length).exp(), (-length).exp()];
+                        let values = [
+                            1.0,
+                            phi.cos(),
+                            (2.0 * phi).cos(),
+                            out[0],
+                            (-0.2 * length).exp(),
+                            (-length).exp(),
+                        ];
                         for (s, v) in sum.iter_mut().zip(values) {
                             *s += weight * v;
                         }
@@ -124,7 +157,13 @@ fn main() -> Result<(), Box<dyn Error>> {
                     let mean: Vec<f64> = sum[1..].iter().map(|s| s / sum[0].max(1e-12)).collect();
                     // Straight across, forward and backward are the same.
                     let m1 = if cos_theta >= 1.0 { 0.0 } else { mean[2] };
-                    for v in [mean[0], mean[1], m1, mean[3].max(1e-12).ln(), mean[4].max(1e-12).ln()] {
+                    for v in [
+                        mean[0],
+                        mean[1],
+                        m1,
+                        mean[3].max(1e-12).ln(),
+                        mean[4].max(1e-12).ln(),
+                    ] {
                         bytes.extend((v as f32).to_le_bytes());
                     }
                 }

@@ -15,14 +15,17 @@ pub struct FibreColour<T> {
 impl<T: Float> FibreColour<T> {
     /// A fibre that absorbs nothing.
     pub fn white() -> Self {
-        Self { core: [T::one(); 3], absorption: [T::zero(); 3] }
+        Self {
+            core: [T::one(); 3],
+            absorption: [T::zero(); 3],
+        }
     }
 }
 
 /// `(1 + sigma t)^-k`: how a distribution of path lengths absorbs; `kt` = k t, `t` >= 1e-4.
 pub fn gamma_transmittance<T: Float>(kt: T, t: T, sigma: T) -> T {
     let t = t.max(real(1e-4));
-    (-kt * (T::one() + sigma * t).ln() / t).exp()
+    (-kt * (sigma * t).ln_1p() / t).exp()
 }
 
 /// Fits k t and t of [`gamma_transmittance`] through two measured transmittances `r1` at `sigma1` and `r2` at `sigma2`
@@ -38,7 +41,11 @@ pub fn gamma_fit(sigma1: f64, r1: f64, sigma2: f64, r2: f64) -> (f64, f64) {
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         let t = middle.exp();
-        if (sigma2 * t).ln_1p() / (sigma1 * t).ln_1p() > wanted { low = middle } else { high = middle }
+        if (sigma2 * t).ln_1p() / (sigma1 * t).ln_1p() > wanted {
+            low = middle
+        } else {
+            high = middle
+        }
     }
     let t = (0.5 * (low + high)).exp();
     (l1 * t / (sigma1 * t).ln_1p(), t)
@@ -61,7 +68,11 @@ pub fn fibre_colour<T: Float>(p: &FibreParameters<T>, albedo: [T; 3]) -> FibreCo
         }
         if p.colour_kt > real(1e-6) {
             let exponent = -y.ln() * p.colour_t / p.colour_kt;
-            colour.absorption[c] = clamp((exponent.min(real(60.0)).exp() - one) / p.colour_t, T::zero(), real(1e4));
+            colour.absorption[c] = clamp(
+                exponent.min(real(60.0)).exp_m1() / p.colour_t,
+                T::zero(),
+                real(1e4),
+            );
         }
     }
     colour

@@ -1,8 +1,8 @@
 //! One pixel, then one light: the twins of `scattering.wgsl`.
 
 use super::{
-    FIBRE_HARMONICS, FibreParameters, FibreRow, Lobe, clamp, dot, fibre_colour, gamma_transmittance, lobe_shift,
-    lobe_width, longitudinal, real,
+    FIBRE_HARMONICS, FibreParameters, FibreRow, Lobe, clamp, dot, fibre_colour,
+    gamma_transmittance, lobe_shift, lobe_width, longitudinal, real,
 };
 use num_traits::Float;
 
@@ -48,16 +48,31 @@ pub struct FibreEnergy<T> {
 pub fn fibre_local<T: Float>(tangent: [T; 3], normal: [T; 3], omega: [T; 3]) -> [T; 3] {
     let x = unit(tangent, [T::one(), T::zero(), T::zero()]);
     let d = dot(x, normal);
-    let raw = [normal[0] - x[0] * d, normal[1] - x[1] * d, normal[2] - x[2] * d];
+    let raw = [
+        normal[0] - x[0] * d,
+        normal[1] - x[1] * d,
+        normal[2] - x[2] * d,
+    ];
     // A normal along the tangent: any direction across will do.
-    let spare = if x[0].abs() < real(0.7) { [T::one(), T::zero(), T::zero()] } else { [T::zero(), T::one(), T::zero()] };
-    let z = unit(raw, unit(cross(cross(x, spare), x), [T::zero(), T::zero(), T::one()]));
+    let spare = if x[0].abs() < real(0.7) {
+        [T::one(), T::zero(), T::zero()]
+    } else {
+        [T::zero(), T::one(), T::zero()]
+    };
+    let z = unit(
+        raw,
+        unit(cross(cross(x, spare), x), [T::zero(), T::zero(), T::one()]),
+    );
     let y = cross(z, x);
     [dot(omega, x), dot(omega, y), dot(omega, z)]
 }
 
 fn cross<T: Float>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 fn unit<T: Float>(a: [T; 3], otherwise: [T; 3]) -> [T; 3] {
@@ -74,14 +89,24 @@ fn unit<T: Float>(a: [T; 3], otherwise: [T; 3]) -> [T; 3] {
 fn polar<T: Float>(omega: [T; 3]) -> ((T, T), [T; 2]) {
     let across = omega[1] * omega[1] + omega[2] * omega[2];
     let c = across.max(T::zero()).sqrt();
-    let azimuth =
-        if across > real(1e-12) { [omega[1] / c, omega[2] / c] } else { [T::zero(), T::one()] };
-    ((clamp(omega[0], -T::one(), T::one()), c.min(T::one())), azimuth)
+    let azimuth = if across > real(1e-12) {
+        [omega[1] / c, omega[2] / c]
+    } else {
+        [T::zero(), T::one()]
+    };
+    (
+        (clamp(omega[0], -T::one(), T::one()), c.min(T::one())),
+        azimuth,
+    )
 }
 
 /// Stretch of the azimuth warp of R and TRcT where the eye meets the fibre head on (scattering study 1.5).
 fn stretch<T: Float>(aspect: T, azimuth: [T; 2]) -> T {
-    let (s2, c2, a2) = (azimuth[0] * azimuth[0], azimuth[1] * azimuth[1], aspect * aspect);
+    let (s2, c2, a2) = (
+        azimuth[0] * azimuth[0],
+        azimuth[1] * azimuth[1],
+        aspect * aspect,
+    );
     (c2 + a2 * a2 * s2) / (aspect * (c2 + a2 * s2))
 }
 
@@ -132,26 +157,42 @@ pub fn fibre_shading<T: Float>(
     }
 
     // Too few terms for a narrow lobe would ring: blur it to what they can show.
-    let blur = p.azimuthal_roughness.max(real::<T>(1.6) / real(f64::from(harmonics)));
+    let blur = p
+        .azimuthal_roughness
+        .max(real::<T>(1.6) / real(f64::from(harmonics)));
     let warped = blur * stretch(p.aspect, azimuth);
     let series = [
         damped(row, 5, warped, harmonics),
         damped(row, 7, blur / p.aspect.sqrt(), harmonics),
         damped(row, 9, blur / p.aspect.sqrt(), harmonics),
         damped(row, 11, blur, harmonics),
-        if p.structural { damped(row, 3, warped, harmonics) } else { [zero; FIBRE_HARMONICS] },
+        if p.structural {
+            damped(row, 3, warped, harmonics)
+        } else {
+            [zero; FIBRE_HARMONICS]
+        },
     ];
     let mut eye = [(zero, one); 4];
     let mut width = [one; 4];
-    for (i, lobe) in [Lobe::R, Lobe::TT, Lobe::TRT, Lobe::TRcT].into_iter().enumerate() {
+    for (i, lobe) in [Lobe::R, Lobe::TT, Lobe::TRT, Lobe::TRcT]
+        .into_iter()
+        .enumerate()
+    {
         // Beyond the pole the cosine turns negative: its absolute value is the fold.
         let (s, c) = lobe_shift(lobe, p.tilt, p.eta).sin_cos();
         eye[i] = (sin_o * c - cos_o * s, (cos_o * c + sin_o * s).abs());
         width[i] = lobe_width(lobe, p.longitudinal_roughness, p.eta);
     }
     let forward = if sin_o < zero { -one } else { one };
-    let medulla =
-        if p.structural { [zero; 3] } else { [row[2][2], row[2][3], clamp(real::<T>(4.0) * row[3][0], -one, one) * forward] };
+    let medulla = if p.structural {
+        [zero; 3]
+    } else {
+        [
+            row[2][2],
+            row[2][3],
+            clamp(real::<T>(4.0) * row[3][0], -one, one) * forward,
+        ]
+    };
     FibreShading {
         energy,
         series,
@@ -215,7 +256,10 @@ pub fn fibre_evaluate<T: Float>(s: &FibreShading<T>, omega_i: [T; 3]) -> [T; 3] 
     let m = |i: usize| longitudinal(s.eye[i], light, s.width[i]) * norm;
     let reflected = azimuthal(&s.series[0], cos_reflect) * jacobian * m(0);
     let inner = azimuthal(&s.series[3], cos_phi) * m(2);
-    let (clear, dense) = (raw_series(&s.series[1], cos_through), raw_series(&s.series[2], cos_through));
+    let (clear, dense) = (
+        raw_series(&s.series[1], cos_through),
+        raw_series(&s.series[2], cos_through),
+    );
     let through = shrink * m(1);
     let fourth = if s.structural {
         let b = s.back[0];
@@ -223,15 +267,18 @@ pub fn fibre_evaluate<T: Float>(s: &FibreShading<T>, omega_i: [T; 3]) -> [T; 3] 
         let lit = x * x * (real::<T>(3.0) - two * x);
         azimuthal(&s.series[4], cos_reflect) * jacobian * m(3) * (one + (lit - one) * s.back[1])
     } else {
-        let f = one + two * s.medulla[0] * cos_phi + two * s.medulla[1] * (two * cos_phi * cos_phi - one);
+        let f = one
+            + two * s.medulla[0] * cos_phi
+            + two * s.medulla[1] * (two * cos_phi * cos_phi - one);
         f.max(zero) * norm * light.1 * (two / pi) * (one + s.medulla[2] * light.0).max(zero)
     };
-    let mut k = [zero; 3];
-    for c in 0..3 {
+    std::array::from_fn(|c| {
         let tt = (clear + (dense - clear) * s.dense[c]).max(zero) * through;
-        k[c] = s.energy[0][c] * reflected + s.energy[1][c] * tt + s.energy[2][c] * inner + s.energy[3][c] * fourth;
-    }
-    k
+        s.energy[0][c] * reflected
+            + s.energy[1][c] * tt
+            + s.energy[2][c] * inner
+            + s.energy[3][c] * fourth
+    })
 }
 
 fn sq<T: Float>(x: T) -> T {
@@ -243,13 +290,21 @@ fn sq<T: Float>(x: T) -> T {
 /// `cos_normal`: |omega_i . n|; `coverage`: width of the fibres over their period, seen along the normal; `cos_theta`: cosine of the
 /// light's inclination in the fibre's frame. Without it a vane lit at grazing angles would scatter more than it receives.
 pub fn light_visibility<T: Float>(cos_normal: T, coverage: T, cos_theta: T) -> T {
-    clamp(cos_normal.abs() / (coverage.max(T::zero()) * cos_theta.max(real(1e-3))).max(real(1e-6)), T::zero(), T::one())
+    clamp(
+        cos_normal.abs() / (coverage.max(T::zero()) * cos_theta.max(real(1e-3))).max(real(1e-6)),
+        T::zero(),
+        T::one(),
+    )
 }
 
 /// Share of a lobe that stays on the side of the eye (|phi| below 90 degrees), 0..1.
 fn share_front<T: Float>(s: &[T; FIBRE_HARMONICS]) -> T {
     let odd = s[0] - s[2] / real(3.0) + s[4] / real(5.0) - s[6] / real(7.0);
-    clamp(real::<T>(0.5) + odd * real(std::f64::consts::FRAC_1_PI), T::zero(), T::one())
+    clamp(
+        real::<T>(0.5) + odd * real(std::f64::consts::FRAC_1_PI),
+        T::zero(),
+        T::one(),
+    )
 }
 
 /// Splits the fibre's energy for light without a direction. `specular + front + back` is the albedo, less what a dark back
@@ -262,14 +317,26 @@ pub fn fibre_energy_split<T: Float>(s: &FibreShading<T>) -> FibreEnergy<T> {
     let (fourth, lit) = if s.structural {
         (share_front(&s.series[4]), facing)
     } else {
-        (clamp(real::<T>(0.5) + s.medulla[0] * real(2.0 * std::f64::consts::FRAC_1_PI), T::zero(), one), one)
+        (
+            clamp(
+                real::<T>(0.5) + s.medulla[0] * real(2.0 * std::f64::consts::FRAC_1_PI),
+                T::zero(),
+                one,
+            ),
+            one,
+        )
     };
-    let mut out = FibreEnergy { specular: s.energy[0][0], front: [T::zero(); 3], back: [T::zero(); 3] };
+    let mut out = FibreEnergy {
+        specular: s.energy[0][0],
+        front: [T::zero(); 3],
+        back: [T::zero(); 3],
+    };
     for c in 0..3 {
         let tt = clamp(clear + (dense - clear) * s.dense[c], T::zero(), one);
         let last = s.energy[3][c] * lit;
         out.front[c] = s.energy[1][c] * tt + s.energy[2][c] * inner + last * fourth;
-        out.back[c] = s.energy[1][c] * (one - tt) + s.energy[2][c] * (one - inner) + last * (one - fourth);
+        out.back[c] =
+            s.energy[1][c] * (one - tt) + s.energy[2][c] * (one - inner) + last * (one - fourth);
     }
     out
 }

@@ -20,11 +20,14 @@ pub struct FeatherPart<T> {
 ///
 /// `normal` is the front of the feather (not flipped), `omega_i` towards the light; both sides of the card scatter. What is
 /// not covered, `1 - sum of weights`, is transparency and not part of the result.
-pub fn feather_bsdf<T: Float>(parts: &[FeatherPart<T>; 4], normal: [T; 3], omega_i: [T; 3]) -> [T; 3] {
+pub fn feather_bsdf<T: Float>(
+    parts: &[FeatherPart<T>; 4],
+    normal: [T; 3],
+    omega_i: [T; 3],
+) -> [T; 3] {
     let mut sum = [T::zero(); 3];
     for part in parts {
-        // False for NaN too.
-        if !(part.weight > T::zero()) {
+        if part.weight.is_nan() || part.weight <= T::zero() {
             continue;
         }
         let local = fibre_local(part.tangent, normal, omega_i);

@@ -99,7 +99,12 @@ pub fn meets_core<T: Float>(c: &Crossing<T>, core: T) -> bool {
 /// `core` is `Some((radius, reflectance))` for a mirror core; `medulla` is `(radius, scattering per radius of the fibre)`,
 /// (0, 0) for none: scattering takes light out of TT and TRT. `absorption` is per fibre radius, in cortex and medulla alike.
 /// Without absorption and with a reflectance of 1 the sum is 1, less what the medulla scatters.
-pub fn attenuation<T: Float>(c: &Crossing<T>, core: Option<(T, T)>, medulla: (T, T), absorption: T) -> [T; 4] {
+pub fn attenuation<T: Float>(
+    c: &Crossing<T>,
+    core: Option<(T, T)>,
+    medulla: (T, T),
+    absorption: T,
+) -> [T; 4] {
     let (zero, one, two) = (T::zero(), T::one(), real::<T>(2.0));
     let f = c.fresnel;
     let through = (one - f) * (one - f);

@@ -9,7 +9,14 @@ pub fn i0e<T: Float>(x: T) -> T {
     let small = (x * real(1.0 / 3.75)).min(T::one());
     let s = small * small;
     let mut low: T = real(0.004_581_3);
-    for k in [0.036_076_8, 0.265_973_2, 1.206_749_2, 3.089_942_4, 3.515_622_9, 1.0] {
+    for k in [
+        0.036_076_8,
+        0.265_973_2,
+        1.206_749_2,
+        3.089_942_4,
+        3.515_622_9,
+        1.0,
+    ] {
         low = low * s + real(k);
     }
     if x < real(3.75) {
@@ -35,7 +42,11 @@ pub fn i0e<T: Float>(x: T) -> T {
 /// Brings a shifted inclination back into -pi/2..pi/2 over the pole; without it grazing light loses energy.
 pub fn fold<T: Float>(theta: T) -> T {
     let half = real::<T>(std::f64::consts::FRAC_PI_2);
-    if theta.abs() > half { theta.signum() * (half + half) - theta } else { theta }
+    if theta.abs() > half {
+        theta.signum() * (half + half) - theta
+    } else {
+        theta
+    }
 }
 
 /// d'Eon's longitudinal lobe M in its stable form (scattering study 2.5), per radian of inclination over cos(theta_i).

@@ -6,8 +6,12 @@
 use std::sync::OnceLock;
 
 /// Sample points of the table: radius of the medulla, optical depth of its radius, Henyey-Greenstein g, cos theta_o.
-pub const MEDULLA_AXES: (&[f64], &[f64], &[f64], &[f64]) =
-    (&[0.3, 0.5, 0.65, 0.8, 0.95], &[0.25, 0.5, 1.0, 2.0, 4.0, 8.0], &[0.0, 0.3, 0.6, 0.85], &[0.08, 0.35, 0.65, 1.0]);
+pub const MEDULLA_AXES: (&[f64], &[f64], &[f64], &[f64]) = (
+    &[0.3, 0.5, 0.65, 0.8, 0.95],
+    &[0.25, 0.5, 1.0, 2.0, 4.0, 8.0],
+    &[0.0, 0.3, 0.6, 0.85],
+    &[0.08, 0.35, 0.65, 1.0],
+);
 
 /// Numbers in the table: every combination of the axes, last axis fastest, times five values.
 pub const MEDULLA_TABLE_LENGTH: usize = 5 * 6 * 4 * 4 * 5;
@@ -38,7 +42,11 @@ fn table() -> &'static [f32] {
 /// Cell and fraction of `x` on a rising axis, clamped to its ends.
 fn place(axis: &[f64], x: f64) -> (usize, f64) {
     let x = x.max(axis[0]).min(axis[axis.len() - 1]);
-    let i = axis.windows(2).take_while(|w| x > w[1]).count().min(axis.len() - 2);
+    let i = axis
+        .windows(2)
+        .take_while(|w| x > w[1])
+        .count()
+        .min(axis.len() - 2);
     (i, (x - axis[i]) / (axis[i + 1] - axis[i]))
 }
 
@@ -50,9 +58,16 @@ fn place(axis: &[f64], x: f64) -> (usize, f64) {
 pub fn medulla_shape(kappa: f64, tau: f64, g: f64, cos_theta: f64) -> MedullaShape {
     let (kappas, taus, gs, cosines) = MEDULLA_AXES;
     let g = g.clamp(0.0, 0.95);
-    let tau = tau.max(0.2 / (1.0 - g)).clamp(taus[0], taus[taus.len() - 1]);
+    let tau = tau
+        .max(0.2 / (1.0 - g))
+        .clamp(taus[0], taus[taus.len() - 1]);
     let log_taus: Vec<f64> = taus.iter().map(|t| t.log2()).collect();
-    let places = [place(kappas, kappa), place(&log_taus, tau.log2()), place(gs, g), place(cosines, cos_theta)];
+    let places = [
+        place(kappas, kappa),
+        place(&log_taus, tau.log2()),
+        place(gs, g),
+        place(cosines, cos_theta),
+    ];
     let sizes = [kappas.len(), taus.len(), gs.len(), cosines.len()];
     let mut out = [0.0; 5];
     for corner in 0..16_usize {
@@ -67,5 +82,10 @@ pub fn medulla_shape(kappa: f64, tau: f64, g: f64, cos_theta: f64) -> MedullaSha
             *o += weight * f64::from(table().get(index * 5 + k).copied().unwrap_or(0.0));
         }
     }
-    MedullaShape { a1: out[0], a2: out[1], m1: out[2].clamp(-0.25, 0.25), ln_colour: [out[3].min(0.0), out[4].min(0.0)] }
+    MedullaShape {
+        a1: out[0],
+        a2: out[1],
+        m1: out[2].clamp(-0.25, 0.25),
+        ln_colour: [out[3].min(0.0), out[4].min(0.0)],
+    }
 }

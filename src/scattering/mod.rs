@@ -25,8 +25,8 @@ mod table;
 
 pub use colour::{FibreColour, fibre_colour, gamma_fit, gamma_transmittance};
 pub use evaluate::{
-    FibreEnergy, FibreShading, azimuthal, fibre_energy_split, fibre_evaluate, fibre_local, fibre_shading,
-    light_visibility,
+    FibreEnergy, FibreShading, azimuthal, fibre_energy_split, fibre_evaluate, fibre_local,
+    fibre_shading, light_visibility,
 };
 pub use feather::{FeatherPart, feather_bsdf};
 pub use fibre::{Fibre, FibreKind, Optics, Sheen};
@@ -36,8 +36,12 @@ pub use medulla::{MEDULLA_AXES, MEDULLA_TABLE_LENGTH, MedullaShape, medulla_shap
 pub use parameters::{FibreParameters, fibre_parameters};
 pub use quadrature::gauss_legendre;
 pub use sample::{FibreSample, fibre_pdf, fibre_sample};
-pub use sheen::{SHEEN_TABLE_SIZE, sheen_albedo, sheen_evaluate, sheen_lookup, sheen_row, sheen_table};
-pub use table::{FIBRE_HARMONICS, FIBRE_ROW_VEC4S, FIBRE_ROWS, FibreRow, FibreTable, fibre_row_at, fibre_row_mix};
+pub use sheen::{
+    SHEEN_TABLE_SIZE, sheen_albedo, sheen_evaluate, sheen_lookup, sheen_row, sheen_table,
+};
+pub use table::{
+    FIBRE_HARMONICS, FIBRE_ROW_VEC4S, FIBRE_ROWS, FibreRow, FibreTable, fibre_row_at, fibre_row_mix,
+};
 
 use num_traits::Float;
 

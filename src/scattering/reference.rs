@@ -151,14 +151,27 @@ impl TracedFibre {
 
     /// Traces one ray from the eye at inclination `theta` and azimuth `azimuth`, at height `h` in -1..1 of the silhouette, and
     /// hands every exit to `sink`. Splits at the outer wall by weight until a ray has scattered, then by chance.
-    pub fn trace(&self, theta: f64, azimuth: f64, h: f64, random: &mut Pcg64Mcg, mut sink: impl FnMut(Exit)) {
-        let to_eye = [theta.sin(), theta.cos() * azimuth.sin(), theta.cos() * azimuth.cos()];
+    pub fn trace(
+        &self,
+        theta: f64,
+        azimuth: f64,
+        h: f64,
+        random: &mut Pcg64Mcg,
+        mut sink: impl FnMut(Exit),
+    ) {
+        let to_eye = [
+            theta.sin(),
+            theta.cos() * azimuth.sin(),
+            theta.cos() * azimuth.cos(),
+        ];
         let across = [0.0, azimuth.cos(), -azimuth.sin()];
         let silhouette = (across[1].powi(2) + (self.aspect * across[2]).powi(2)).sqrt();
         let start = add([0.0; 3], across, h * silhouette);
         let start = add(start, to_eye, 10.0 / theta.cos().max(1e-6));
         let towards = to_eye.map(|x| -x);
-        let Some([near, _]) = self.meet(start, towards, 1.0) else { return };
+        let Some([near, _]) = self.meet(start, towards, 1.0) else {
+            return;
+        };
         let mut p = add(start, towards, near);
         let n = self.rough(self.outward(p), random);
         let cos = inner(n, to_eye);
@@ -166,22 +179,39 @@ impl TracedFibre {
             // A rough normal turned away: as if mirrored at the true one.
             let m = self.outward(p);
             let d = add(towards, m, -2.0 * inner(towards, m));
-            sink(Exit { weight: 1.0, direction: d, history: History::default() });
+            sink(Exit {
+                weight: 1.0,
+                direction: d,
+                history: History::default(),
+            });
             return;
         }
         let f = reflectance(cos.min(1.0).acos(), 1.0, self.eta);
-        sink(Exit { weight: f, direction: add(towards, n, 2.0 * cos), history: History::default() });
+        sink(Exit {
+            weight: f,
+            direction: add(towards, n, 2.0 * cos),
+            history: History::default(),
+        });
         let ratio = 1.0 / self.eta;
         let cos_t = (1.0 - ratio * ratio * (1.0 - cos * cos)).sqrt();
         let mut d = add(towards.map(|x| x * ratio), n, ratio * cos - cos_t);
         let mut weight = 1.0 - f;
-        let mut history = History { entered: true, ..History::default() };
+        let mut history = History {
+            entered: true,
+            ..History::default()
+        };
         for _ in 0..4000 {
             if weight < 1e-9 {
                 return;
             }
-            let Some([_, wall]) = self.meet(p, d, 1.0) else { return };
-            let body = if self.inner > 0.0 { self.meet(p, d, self.inner) } else { None };
+            let Some([_, wall]) = self.meet(p, d, 1.0) else {
+                return;
+            };
+            let body = if self.inner > 0.0 {
+                self.meet(p, d, self.inner)
+            } else {
+                None
+            };
             if let Some([enter, leave]) = body
                 && leave > 1e-9
             {
@@ -212,10 +242,21 @@ impl TracedFibre {
             let n = self.rough(self.outward(p), random);
             let cos = inner(n, d).clamp(1e-9, 1.0);
             let f = reflectance(cos.acos(), self.eta, 1.0);
-            let leaves = if history.scatterings > 0 { f64::from(u8::from(uniform(random) >= f)) } else { 1.0 - f };
+            let leaves = if history.scatterings > 0 {
+                f64::from(u8::from(uniform(random) >= f))
+            } else {
+                1.0 - f
+            };
             if leaves > 0.0 {
-                let k = (1.0 - self.eta * self.eta * (1.0 - cos * cos)).max(0.0).sqrt() - self.eta * cos;
-                sink(Exit { weight: weight * leaves, direction: add(d.map(|x| x * self.eta), n, k), history });
+                let k = (1.0 - self.eta * self.eta * (1.0 - cos * cos))
+                    .max(0.0)
+                    .sqrt()
+                    - self.eta * cos;
+                sink(Exit {
+                    weight: weight * leaves,
+                    direction: add(d.map(|x| x * self.eta), n, k),
+                    history,
+                });
             }
             weight *= 1.0 - leaves;
             let m = self.outward(p);
@@ -250,18 +291,27 @@ impl TracedFibre {
     pub fn energies(&self, theta: f64, count: usize, random: &mut Pcg64Mcg) -> [f64; 5] {
         let mut sum = [0.0; 5];
         for i in 0..count {
-            let h = (2.0 * (i as f64 + uniform(random)) / count as f64 - 1.0).clamp(-1.0 + 1e-12, 1.0 - 1e-12);
+            let h = (2.0 * (i as f64 + uniform(random)) / count as f64 - 1.0)
+                .clamp(-1.0 + 1e-12, 1.0 - 1e-12);
             self.trace(theta, 0.0, h, random, |e| sum[e.history.lobe()] += e.weight);
         }
         sum.map(|s| s / count as f64)
     }
 
     /// Density over the azimuth of the light relative to the eye, `bins` bins over -pi..pi, per radian, for each lobe.
-    pub fn histogram(&self, theta: f64, eye: f64, count: usize, bins: usize, random: &mut Pcg64Mcg) -> [Vec<f64>; 5] {
+    pub fn histogram(
+        &self,
+        theta: f64,
+        eye: f64,
+        count: usize,
+        bins: usize,
+        random: &mut Pcg64Mcg,
+    ) -> [Vec<f64>; 5] {
         let mut out: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; bins]);
         let scale = bins as f64 / (2.0 * PI) / count as f64;
         for i in 0..count {
-            let h = (2.0 * (i as f64 + uniform(random)) / count as f64 - 1.0).clamp(-1.0 + 1e-12, 1.0 - 1e-12);
+            let h = (2.0 * (i as f64 + uniform(random)) / count as f64 - 1.0)
+                .clamp(-1.0 + 1e-12, 1.0 - 1e-12);
             self.trace(theta, eye, h, random, |e| {
                 let bin = ((e.azimuth(eye) + PI) / (2.0 * PI) * bins as f64) as usize;
                 out[e.history.lobe()][bin.min(bins - 1)] += e.weight * scale;

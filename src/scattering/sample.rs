@@ -16,9 +16,15 @@ pub struct FibreSample {
 
 /// Chance of each lobe: its luminance.
 fn chances(s: &FibreShading<f64>) -> [f64; 4] {
-    let light = s.energy.map(|e| (0.2126 * e[0] + 0.7152 * e[1] + 0.0722 * e[2]).max(0.0));
+    let light = s
+        .energy
+        .map(|e| (0.2126 * e[0] + 0.7152 * e[1] + 0.0722 * e[2]).max(0.0));
     let sum: f64 = light.iter().sum();
-    if sum > 1e-12 { light.map(|l| l / sum) } else { [1.0, 0.0, 0.0, 0.0] }
+    if sum > 1e-12 {
+        light.map(|l| l / sum)
+    } else {
+        [1.0, 0.0, 0.0, 0.0]
+    }
 }
 
 /// Azimuth series of a lobe as the sampler uses it. Shapes are unwarped: a flat fibre is sampled as a round one.
@@ -40,7 +46,11 @@ fn series(s: &FibreShading<f64>, lobe: usize) -> [f64; FIBRE_HARMONICS] {
 pub fn fibre_pdf(s: &FibreShading<f64>, omega_i: [f64; 3]) -> f64 {
     let across = (omega_i[1] * omega_i[1] + omega_i[2] * omega_i[2]).sqrt();
     let light = (omega_i[0].clamp(-1.0, 1.0), across.min(1.0));
-    let u = if across > 1e-6 { [omega_i[1] / across, omega_i[2] / across] } else { [0.0, 1.0] };
+    let u = if across > 1e-6 {
+        [omega_i[1] / across, omega_i[2] / across]
+    } else {
+        [0.0, 1.0]
+    };
     let cos_phi = (s.azimuth[0] * u[0] + s.azimuth[1] * u[1]).clamp(-1.0, 1.0);
     let chance = chances(s);
     (0..4)
@@ -89,19 +99,31 @@ pub fn fibre_sample(s: &FibreShading<f64>, u: [f64; 4]) -> Option<FibreSample> {
     if pdf.is_nan() || pdf <= 1e-12 {
         return None;
     }
-    Some(FibreSample { direction, pdf, weight: fibre_evaluate(s, direction).map(|k| k / pdf) })
+    Some(FibreSample {
+        direction,
+        pdf,
+        weight: fibre_evaluate(s, direction).map(|k| k / pdf),
+    })
 }
 
 /// Azimuth at which the cumulated series reaches `u`, by bisection (the series may touch 0, where Newton fails).
 fn invert(series: &[f64; FIBRE_HARMONICS], u: f64) -> f64 {
     let cumulated = |phi: f64| {
-        let waves: f64 = series.iter().enumerate().map(|(i, s)| s * ((i + 1) as f64 * phi).sin() / (i + 1) as f64).sum();
+        let waves: f64 = series
+            .iter()
+            .enumerate()
+            .map(|(i, s)| s * ((i + 1) as f64 * phi).sin() / (i + 1) as f64)
+            .sum();
         0.5 + (phi + waves) / (2.0 * PI)
     };
     let (mut low, mut high) = (-PI, PI);
     for _ in 0..48 {
         let middle = 0.5 * (low + high);
-        if cumulated(middle) < u { low = middle } else { high = middle }
+        if cumulated(middle) < u {
+            low = middle
+        } else {
+            high = middle
+        }
     }
     0.5 * (low + high)
 }

@@ -49,7 +49,12 @@ pub fn sheen_row(alpha: f32) -> [[f32; 4]; SHEEN_TABLE_SIZE] {
 
 /// Sheen BRDF times cos(theta_i) for strength 1, per steradian. `ltc` is (aInv, bInv, R) at the eye's cosine; directions and
 /// `normal` (on the eye's side) in one frame. 0 unless eye and light are above the surface.
-pub fn sheen_evaluate<T: Float>(ltc: [T; 3], normal: [T; 3], omega_o: [T; 3], omega_i: [T; 3]) -> T {
+pub fn sheen_evaluate<T: Float>(
+    ltc: [T; 3],
+    normal: [T; 3],
+    omega_o: [T; 3],
+    omega_i: [T; 3],
+) -> T {
     let (zero, one) = (T::zero(), T::one());
     let (a, b, r) = (ltc[0], ltc[1], ltc[2]);
     let (cos_o, z) = (dot(normal, omega_o), dot(normal, omega_i));
@@ -57,9 +62,17 @@ pub fn sheen_evaluate<T: Float>(ltc: [T; 3], normal: [T; 3], omega_o: [T; 3], om
         return zero;
     }
     // x: the eye's direction laid into the surface. Seen from straight above the lobe is round and any x will do.
-    let flat = [omega_o[0] - normal[0] * cos_o, omega_o[1] - normal[1] * cos_o, omega_o[2] - normal[2] * cos_o];
+    let flat = [
+        omega_o[0] - normal[0] * cos_o,
+        omega_o[1] - normal[1] * cos_o,
+        omega_o[2] - normal[2] * cos_o,
+    ];
     let length = dot(flat, flat).max(zero).sqrt();
-    let x = if length > real(1e-6) { dot(flat, omega_i) / length } else { zero };
+    let x = if length > real(1e-6) {
+        dot(flat, omega_i) / length
+    } else {
+        zero
+    };
     let y2 = (one - x * x - z * z).max(zero);
     let u = a * x + b * z;
     let q = u * u + a * a * y2 + z * z;
@@ -68,5 +81,9 @@ pub fn sheen_evaluate<T: Float>(ltc: [T; 3], normal: [T; 3], omega_o: [T; 3], om
 
 /// Share of light that the sheen of `strength` takes from the layer under it, 0..1: multiply the base by `1 - sheen_albedo`.
 pub fn sheen_albedo<T: Float>(ltc: [T; 3], strength: T) -> T {
-    clamp(clamp(strength, T::zero(), T::one()) * ltc[2], T::zero(), T::one())
+    clamp(
+        clamp(strength, T::zero(), T::one()) * ltc[2],
+        T::zero(),
+        T::one(),
+    )
 }

@@ -3,8 +3,8 @@
 //! Absorption and azimuthal roughness are applied at run time, so one table serves every colour of a fibre.
 
 use super::{
-    Fibre, FibreKind, FibreParameters, Lobe, attenuation, crossing, exit_angle, fibre_parameters, gamma_fit,
-    gauss_legendre, medulla_shape,
+    Fibre, FibreKind, FibreParameters, Lobe, attenuation, crossing, exit_angle, fibre_parameters,
+    gamma_fit, gauss_legendre, medulla_shape,
 };
 use num_traits::Float;
 
@@ -52,7 +52,12 @@ impl FibreTable {
         let shape = Section::new(fibre);
         let nodes = gauss_legendre(NODES);
         let rows: Vec<_> = (0..FIBRE_ROWS)
-            .map(|r| shape.row(FIRST_COS + (1.0 - FIRST_COS) * r as f64 / (FIBRE_ROWS - 1) as f64, &nodes))
+            .map(|r| {
+                shape.row(
+                    FIRST_COS + (1.0 - FIRST_COS) * r as f64 / (FIBRE_ROWS - 1) as f64,
+                    &nodes,
+                )
+            })
             .collect();
         let head = &rows[FIBRE_ROWS - 1];
         let (kt, t) = own_colour(head, shape.structural);
@@ -63,7 +68,12 @@ impl FibreTable {
                 f64::from(fibre.tilt),
                 f64::from(fibre.aspect),
             ],
-            [shape.eta, f64::from(u8::from(shape.structural)), shape.radius, head[0][0]],
+            [
+                shape.eta,
+                f64::from(u8::from(shape.structural)),
+                shape.radius,
+                head[0][0],
+            ],
             [kt, t, 0.0, 0.0],
         ];
         Self { rows, parameters }
@@ -83,7 +93,11 @@ impl FibreTable {
 
     /// For the GPU: [`FIBRE_ROWS`] times [`FIBRE_ROW_VEC4S`] vec4s, row after row.
     pub fn pack_rows(&self) -> Vec<[f32; 4]> {
-        self.rows.iter().flatten().map(|v| v.map(|x| x as f32)).collect()
+        self.rows
+            .iter()
+            .flatten()
+            .map(|v| v.map(|x| x as f32))
+            .collect()
     }
 
     /// For the GPU: the three vec4s that `fibre_parameters` unpacks.
@@ -96,7 +110,11 @@ impl FibreTable {
 pub fn fibre_row_at<T: Float>(cos_theta: T) -> (usize, T) {
     let last = super::real::<T>((FIBRE_ROWS - 1) as f64);
     let first = super::real::<T>(FIRST_COS);
-    let x = super::clamp((cos_theta - first) / (T::one() - first) * last, T::zero(), last);
+    let x = super::clamp(
+        (cos_theta - first) / (T::one() - first) * last,
+        T::zero(),
+        last,
+    );
     let i = x.floor().min(last - T::one());
     (i.to_usize().unwrap_or(0), x - i)
 }
@@ -114,7 +132,12 @@ pub fn fibre_row_mix<T: Float>(a: &FibreRow<T>, b: &FibreRow<T>, fraction: T) ->
         }
     }
     let mut out = *a;
-    for (v, (x, y)) in out.iter_mut().zip(a.iter().zip(b)).enumerate().map(|(i, (o, p))| ((i, o), p)) {
+    for (v, (x, y)) in out
+        .iter_mut()
+        .zip(a.iter().zip(b))
+        .enumerate()
+        .map(|(i, (o, p))| ((i, o), p))
+    {
         let (i, o) = v;
         let fractions = match i {
             0 => [fraction; 4],
@@ -156,23 +179,43 @@ impl Section {
                 tau: 0.0,
                 g: 0.0,
             },
-            FibreKind::Pigment { medulla_radius, scattering, anisotropy } => {
+            FibreKind::Pigment {
+                medulla_radius,
+                scattering,
+                anisotropy,
+            } => {
                 let radius = super::clamp(f64::from(medulla_radius), 0.05, 0.999);
                 let tau = super::clamp(f64::from(scattering), 0.0, 16.0);
                 let g = super::clamp(f64::from(anisotropy), 0.0, 0.95);
-                Self { eta, structural: false, radius, scattering: tau / radius, tau, g }
+                Self {
+                    eta,
+                    structural: false,
+                    radius,
+                    scattering: tau / radius,
+                    tau,
+                    g,
+                }
             }
         }
     }
 
     /// Coefficients of R, TT, TRT, TRcT at one absorption.
-    fn coefficients(&self, cos_theta: f64, absorption: f64, nodes: &[(f64, f64)]) -> [Coefficients; 4] {
+    fn coefficients(
+        &self,
+        cos_theta: f64,
+        absorption: f64,
+        nodes: &[(f64, f64)],
+    ) -> [Coefficients; 4] {
         let sin2 = 1.0 - cos_theta * cos_theta;
         let eta_projected = (self.eta * self.eta - sin2).sqrt() / cos_theta;
         // The integrands have a kink or a jump where rays begin to miss the inner cylinder.
         let split = (self.radius * eta_projected).min(1.0).asin();
         let core = self.structural.then_some((self.radius, 1.0));
-        let medulla = if self.structural { (0.0, 0.0) } else { (self.radius, self.scattering) };
+        let medulla = if self.structural {
+            (0.0, 0.0)
+        } else {
+            (self.radius, self.scattering)
+        };
         let mut out = [[0.0; FIBRE_HARMONICS + 1]; 4];
         for (from, to) in [(0.0, split), (split, std::f64::consts::FRAC_PI_2)] {
             let half = 0.5 * (to - from);
@@ -227,7 +270,15 @@ impl Section {
         }
         set_shape(&mut row, 5, &clear[0]);
         set_shape(&mut row, 7, &clear[1]);
-        set_shape(&mut row, 9, if dense[1][0] > 1e-9 * clear[1][0] { &dense[1] } else { &clear[1] });
+        set_shape(
+            &mut row,
+            9,
+            if dense[1][0] > 1e-9 * clear[1][0] {
+                &dense[1]
+            } else {
+                &clear[1]
+            },
+        );
         set_shape(&mut row, 11, &thin[2]);
         row
     }
@@ -242,11 +293,19 @@ fn set_shape(row: &mut FibreRow<f64>, at: usize, c: &Coefficients) {
 /// k t and t of the whole colour that absorption gives the fibre at theta_o = 0 (scattering study 5.1, 5.2).
 fn own_colour(row: &FibreRow<f64>, structural: bool) -> (f64, f64) {
     let light = |sigma: f64| {
-        let medulla = if structural { 0.0 } else { row[0][3] * super::gamma_transmittance(row[2][0], row[2][1], sigma) };
+        let medulla = if structural {
+            0.0
+        } else {
+            row[0][3] * super::gamma_transmittance(row[2][0], row[2][1], sigma)
+        };
         row[0][1] * super::gamma_transmittance(row[1][0], row[1][1], sigma)
             + row[0][2] * super::gamma_transmittance(row[1][2], row[1][3], sigma)
             + medulla
     };
     let clear = light(0.0);
-    if clear < 1e-9 { (0.0, 1.0) } else { gamma_fit(0.2, light(0.2) / clear, 1.0, light(1.0) / clear) }
+    if clear < 1e-9 {
+        (0.0, 1.0)
+    } else {
+        gamma_fit(0.2, light(0.2) / clear, 1.0, light(1.0) / clear)
+    }
 }

@@ -111,7 +111,7 @@ fn i0e(x_in: f32) -> f32 {
     let r = 3.75 / far;
     let high = 0.39894228 + r * (0.01328592 + r * (0.00225319 + r * (-0.00157565 + r * (0.00916281
         + r * (-0.02057706 + r * (0.02635537 + r * (-0.01647633 + r * 0.00392377)))))));
-    return select(high * inverseSqrt(far), low * exp(-min(x, 3.75)), x < 3.75);
+    return select(high / sqrt(far), low * exp(-min(x, 3.75)), x < 3.75);
 }
 
 // d'Eon's M; eye and light as (sine, cosine) of the inclination.
@@ -124,8 +124,19 @@ fn longitudinal(eye: vec2<f32>, light: vec2<f32>, roughness: f32) -> f32 {
 }
 
 fn gamma_transmittance(kt: f32, t_in: f32, sigma: vec3<f32>) -> vec3<f32> {
-    let t = max(t_in, 1e-4);
-    return exp(-kt * log(1.0 + sigma * t) / t);
+    return exp(-kt * sigma * log_ratio(sigma * max(t_in, 1e-4)));
+}
+
+// ln(1 + x)/x for x >= 0, exact to f32 at both ends (ln(1 + x) alone loses its digits near 0).
+fn log_ratio(x: vec3<f32>) -> vec3<f32> {
+    let small = 1.0 + x * (-0.5 + x * (1.0 / 3.0 + x * (-0.25 + x * (0.2 + x * (-1.0 / 6.0 + x / 7.0)))));
+    return select(log(1.0 + x) / max(x, vec3<f32>(0.1)), small, x < vec3<f32>(0.1));
+}
+
+// (e^x - 1)/x for x >= 0, likewise.
+fn exp_ratio(x: vec3<f32>) -> vec3<f32> {
+    let small = 1.0 + x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x / 120.0)));
+    return select((exp(x) - 1.0) / max(x, vec3<f32>(0.1)), small, x < vec3<f32>(0.1));
 }
 
 fn fibre_colour(p: FibreParameters, albedo: vec3<f32>) -> FibreColour {
@@ -137,8 +148,9 @@ fn fibre_colour(p: FibreParameters, albedo: vec3<f32>) -> FibreColour {
         colour.core = clamp(y / (1.0 - series + series * y), vec3<f32>(0.0), vec3<f32>(1.0));
     }
     if p.colour_kt > 1e-6 {
-        let exponent = -log(y) * p.colour_t / p.colour_kt;
-        colour.absorption = clamp((exp(min(exponent, vec3<f32>(60.0))) - 1.0) / p.colour_t, vec3<f32>(0.0), vec3<f32>(1e4));
+        let depth = -log(y) / p.colour_kt;
+        let grown = depth * exp_ratio(min(depth * p.colour_t, vec3<f32>(60.0)));
+        colour.absorption = clamp(grown, vec3<f32>(0.0), vec3<f32>(1e4));
     }
     return colour;
 }
