@@ -1,7 +1,7 @@
 //! Feathers, fibre tables and cards as the shaders read them (twin of `shaders/feather_data.wgsl`).
 
 use crate::{
-    anatomy::{Feather, Pattern, Vane},
+    anatomy::{CONTOUR_ROWS, Feather, Pattern, RACHIS_ROWS, Vane},
     groom::Card,
     scattering::{Fibre, FibreTable, SHEEN_TABLE_SIZE, sheen_row},
 };
@@ -14,17 +14,11 @@ use bevy::{
     },
 };
 
-/// vec4s of the buffer's own header.
-pub const FEATHERS_BASE: usize = 1;
 /// vec4s of a feather's header.
 pub const HEADER_LENGTH: usize = 24;
-/// Samples of the rachis table.
-pub const RACHIS_SAMPLES: usize = 64;
-/// Samples of the contour table.
-pub const CONTOUR_SAMPLES: usize = 256;
 /// vec4s of one feather.
 pub const FEATHER_STRIDE: usize =
-    HEADER_LENGTH + RACHIS_SAMPLES + CONTOUR_SAMPLES + SHEEN_TABLE_SIZE;
+    HEADER_LENGTH + RACHIS_ROWS + CONTOUR_ROWS + SHEEN_TABLE_SIZE;
 /// vec4s (of `u32`) of one card record.
 pub const CARD_VEC4S: usize = 5;
 /// Size of a baked albedo layer.
@@ -89,7 +83,7 @@ fn vane_rows(vane: &Vane, feather: &Feather) -> [[f32; 4]; 3] {
             vane.barbules.proximal_radius_um * micrometre,
             vane.fringe,
             vane.downy,
-            0.0,
+            vane.barb_angle.to_radians(),
         ],
     ]
 }
@@ -183,12 +177,13 @@ fn albedo_array(feathers: &[&Feather], images: &Assets<Image>) -> Image {
     let mut levels = 1;
     for feather in feathers {
         let front = feather
-            .albedo_image()
+            .image
+            .as_ref()
             .and_then(|handle| images.get(handle))
             .and_then(|image| resample(image, width, height))
-            .unwrap_or_else(|| feather.albedo.front.bake(width, height, feather));
+            .unwrap_or_else(|| feather.albedo.front.bake(width as usize, height as usize, feather));
         let back: Option<&Pattern> = feather.albedo.back.as_ref();
-        let back = back.map_or_else(|| front.clone(), |back| back.bake(width, height, feather));
+        let back = back.map_or_else(|| front.clone(), |back| back.bake(width as usize, height as usize, feather));
         for face in [front, back] {
             levels = append_with_mips(&mut data, face, width, height);
         }

@@ -1,6 +1,6 @@
 // Colour of a feather's fragment: coverage, masking, fibre scattering per light, environment, sheen, transparency.
 #import bevy_plumage::{
-    anatomy::{canonical_footprint, contour_coverage, hooked},
+    anatomy::{barb_root, barbule_factor, canonical_footprint, contour_coverage, hooked, vane_start_coverage},
     feather_bindings::{albedo_sampler, albedo_texture, contour_at, feather_at, feather_base, rachis_at, settings, sheen_at},
     feather_data as data,
     feather_io::FeatherVertex,
@@ -54,7 +54,7 @@ struct Covered {
     right: bool,
 }
 
-fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape: vec4<f32>, class: u32) -> vec3<f32> {
+fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape: vec4<f32>, level: u32) -> vec3<f32> {
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
     let angles = feather_at(slot);
     let last = feather_at(slot + 2u);
@@ -65,22 +65,22 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape:
     mirrored.mean.x *= side;
     mirrored.cov.y *= side;
     let cell = mask_vane(vane, frame.local_eye * vec3(side, 1.0, 1.0));
-    let cotangent = angles.y / max(angles.x, 0.05);
-    let y_root = footprint.mean.y - abs(footprint.mean.x) * cotangent;
-    let contour = contour_at(base, shape.z, y_root);
+    // Angle of the barbs in radians.
+    let angle = last.w;
+    let root = barb_root(footprint.mean, angle);
+    let contour = contour_at(base, shape.z, root);
     let reach = select(contour.xz, contour.yw, right);
-    let inside = contour_coverage(footprint.mean, footprint.cov, reach.x, reach.y, cotangent)
-        * smoothstep(shape.z - 0.01, shape.z, y_root);
+    let inside = contour_coverage(footprint.mean, footprint.cov, reach.x, reach.y, angle)
+        * vane_start_coverage(footprint.mean, footprint.cov, shape.z, angle);
     if (inside < 1e-3) {
         return vec3(0.0);
     }
-    var covered = vane_coverage(cell, vane, mirrored, class, settings.error_budget);
-    let hook = hooked(abs(footprint.mean.x) / max(reach.x, 1e-5), footprint.mean.y, last.y, last.z);
-    covered = vec3(covered.x, covered.y * hook, covered.z * hook);
-    return covered * inside;
+    let covered = vane_coverage(cell, vane, mirrored, level, settings.error_budget);
+    let hook = barbule_factor(hooked(abs(footprint.mean.x), root, reach.x, last.y, last.z));
+    return inside * vec3(covered.x, covered.yz * hook);
 }
 
-fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, class: u32) -> Covered {
+fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u32) -> Covered {
     let rachis = rachis_at(base, in.uv.y);
     let canonical = canonical_footprint(in.uv, dpdx(in.uv), dpdy(in.uv), rachis.x, rachis.y, shape.x);
     let split = split_rachis(Footprint(canonical.mean, canonical.cov), rachis.z);
@@ -90,10 +90,10 @@ fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, class: u3
     covered.weights.x = split.rachis * smoothstep(1.0, 0.99, in.uv.y);
     var vanes = vec3(0.0);
     if (split.left_mass > 1e-3) {
-        vanes += split.left_mass * cover_vane(base, false, split.left, frame, shape, class);
+        vanes += split.left_mass * cover_vane(base, false, split.left, frame, shape, level);
     }
     if (split.right_mass > 1e-3) {
-        vanes += split.right_mass * cover_vane(base, true, split.right, frame, shape, class);
+        vanes += split.right_mass * cover_vane(base, true, split.right, frame, shape, level);
     }
     covered.weights = vec4(covered.weights.x, vanes);
     let total = dot(covered.weights, vec4(1.0));
@@ -145,11 +145,11 @@ fn debug_color(in: FeatherVertex, covered: Covered, frame: Frame) -> vec3<f32> {
     switch settings.debug_view {
         case 1u: { return vec3(covered.weights.x + covered.weights.y, covered.weights.z, covered.weights.w); }
         case 2u: {
-            let class = in.card.w & 7u;
+            let level = in.card.w & 7u;
             return select(
-                vec3(f32(class == data::CARD_NEAR), f32(class == data::CARD_FAR), f32(class == data::CARD_MEAN)),
+                vec3(f32(level == data::CARD_NEAR), f32(level == data::CARD_FAR), f32(level == data::CARD_MEAN)),
                 vec3(1.0),
-                class == data::CARD_MIXED,
+                level == data::CARD_MIXED,
             );
         }
         case 3u: {

@@ -11,7 +11,7 @@ const SHEEN_SAMPLES: u32 = 32u;
 const FEATHER_STRIDE: u32 = 376u;
 // Inside the header.
 const SHAPE: u32 = 0u;       // aspect, length in metres, contour start, dark back
-const LEFT_VANE: u32 = 1u;   // 3: sin/cos of barb angle and barbule angle; p_b, d_bl, r_b, r_bd; r_bp, fringe, downy, unused
+const LEFT_VANE: u32 = 1u;   // 3: sin/cos of barb angle and barbule angle; p_b, d_bl, r_b, r_bd; r_bp, fringe, downy, barb angle
 const RIGHT_VANE: u32 = 4u;
 const SHEEN: u32 = 7u;       // strength, roughness
 const FIBRES: u32 = 8u;      // 4 x 3: rachis, barb, distal, proximal

@@ -90,7 +90,7 @@ fn classify(@builtin(global_invocation_id) id: vec3<u32>) {
     if (id.x >= count) {
         return;
     }
-    let class = classify_card(id.x);
-    lod[id.x] = class;
-    atomicAdd(&counters[min(class, 4u)], 1u);
+    let level = classify_card(id.x);
+    lod[id.x] = level;
+    atomicAdd(&counters[min(level, 4u)], 1u);
 }

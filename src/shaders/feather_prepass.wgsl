@@ -1,6 +1,6 @@
 // Silhouette of a feather in shadow maps: the mean coverage inside the contour, made holes by a fixed pattern.
 #import bevy_plumage::{
-    anatomy::{canonical_footprint, contour_coverage},
+    anatomy::{barb_root, canonical_footprint, contour_coverage},
     feather_bindings::{feather_at, feather_base, rachis_at, contour_at},
     feather_data as data,
     feather_io::FeatherPrepassVertex,
@@ -22,15 +22,15 @@ fn shadow_opacity(in: FeatherPrepassVertex) -> f32 {
     }
     let right = footprint.mean.x > 0.0;
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
-    let angles = feather_at(slot);
-    let vane = vane_unpack(angles, feather_at(slot + 1u), feather_at(slot + 2u));
-    let y_root = footprint.mean.y - abs(footprint.mean.x) * angles.y / max(angles.x, 0.05);
-    let contour = contour_at(base, shape.z, y_root);
-    let reach = select(contour.xz, contour.yw, right);
-    if (y_root < shape.z) {
+    let last = feather_at(slot + 2u);
+    let vane = vane_unpack(feather_at(slot), feather_at(slot + 1u), last);
+    let root = barb_root(footprint.mean, last.w);
+    if (root < shape.z) {
         return 0.0;
     }
-    return contour_coverage(footprint.mean, footprint.cov, reach.x, reach.y, angles.y / max(angles.x, 0.05)) * vane_opacity(vane);
+    let contour = contour_at(base, shape.z, root);
+    let reach = select(contour.xz, contour.yw, right);
+    return contour_coverage(footprint.mean, footprint.cov, reach.x, reach.y, last.w) * vane_opacity(vane);
 }
 
 #ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION

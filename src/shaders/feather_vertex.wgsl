@@ -38,12 +38,12 @@ fn vertex(vertex: Vertex) -> FeatherPrepassVertex {
 fn vertex(vertex: Vertex) -> FeatherVertex {
     var out: FeatherVertex;
     let card = min(u32(vertex.uv_b.x + 0.5), arrayLength(&cards) / CARD_LENGTH - 1u);
-    let class = lod[min(card, arrayLength(&lod) - 1u)];
+    let level = lod[min(card, arrayLength(&lod) - 1u)];
     let look = cards[card * CARD_LENGTH + 4u];
-    out.card = vec4(look.x, look.y, look.z, class | (card << 3u));
+    out.card = vec4(look.x, look.y, look.z, level | (card << 3u));
     out.uv = vertex.uv;
     out.instance_index = vertex.instance_index;
-    if (class == CARD_CULLED) {
+    if (level == CARD_CULLED) {
         // All corners on one point outside the view: no pixels.
         out.position = vec4(2.0, 2.0, 0.5, 1.0);
         return out;
