@@ -113,7 +113,7 @@ fn load(app: &mut App, name: &str) {
         for state in states.iter(app.world()) {
             all += 1;
             ready += u32::from(state.is_ready());
-            failed += u32::from(state.error().is_some());
+            failed += u32::from(state.error.is_some());
         }
         let text = format!("{name}: {ready} of {all} birds feathered");
         if text != shown {

@@ -14,9 +14,9 @@ pub fn collect(app: &mut App, times: &mut [Duration]) -> Value {
     let mut errors = Vec::new();
     let mut states = app.world_mut().query::<&PlumageState>();
     for state in states.iter(app.world()) {
-        feathers += state.cards();
-        groom_ms += state.groom_ms();
-        errors.extend(state.error().map(str::to_owned));
+        feathers += state.cards;
+        groom_ms += f64::from(state.groom_ms);
+        errors.extend(state.error.clone());
     }
     let store = app.world().resource::<DiagnosticsStore>();
     let value = |path: String| {
