@@ -307,6 +307,11 @@ fn share_front<T: Float>(s: &[T; FIBRE_HARMONICS]) -> T {
     )
 }
 
+/// Share of light that the fibre scatters into all directions, linear RGB, 0..1.
+pub fn fibre_albedo<T: Float>(s: &FibreShading<T>) -> [T; 3] {
+    std::array::from_fn(|c| s.energy[0][c] + s.energy[1][c] + s.energy[2][c] + s.energy[3][c])
+}
+
 /// Splits the fibre's energy for light without a direction. `specular + front + back` is the albedo, less what a dark back
 /// swallows.
 pub fn fibre_energy_split<T: Float>(s: &FibreShading<T>) -> FibreEnergy<T> {

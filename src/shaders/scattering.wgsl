@@ -364,6 +364,25 @@ fn fibre_share_front(s: array<vec4<f32>, 2>) -> f32 {
     return clamp(0.5 + odd / SCATTERING_PI, 0.0, 1.0);
 }
 
+// Share of light that the fibre scatters into all directions.
+fn fibre_albedo(s: FibreShading) -> vec3<f32> {
+    return s.energy_surface + s.energy_through + s.energy_inner + s.energy_fourth;
+}
+
+// Albedo one fibre must have for plumage to show `albedo`, when scattered light meets another fibre with chance `meeting`.
+fn single_scattering_albedo(albedo: vec3<f32>, meeting: f32) -> vec3<f32> {
+    let p = clamp(meeting, 0.0, 0.99);
+    let a = clamp(albedo, vec3<f32>(0.0), vec3<f32>(1.0));
+    return a / (1.0 - p + p * a);
+}
+
+// Energy of light that met further fibres: times the mean radiance around, it completes (1 - meeting) times the direct light.
+fn multiple_scattering(albedo: vec3<f32>, meeting: f32) -> vec3<f32> {
+    let p = clamp(meeting, 0.0, 0.99);
+    let a = clamp(albedo, vec3<f32>(0.0), vec3<f32>(1.0));
+    return p * (1.0 - p) * a * a / (1.0 - p * a);
+}
+
 // Energy by side, for light without a direction (environment maps): specular + front + back = albedo.
 fn fibre_energy_split(s: FibreShading) -> FibreEnergy {
     var fourth = 0.5 + s.medulla.x * 2.0 / SCATTERING_PI;
