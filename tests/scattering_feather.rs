@@ -296,3 +296,49 @@ fn sheen_scatters_exactly_its_albedo() {
     );
     assert!(sheen_evaluate(ltc, n, [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]).is_finite());
 }
+
+#[test]
+fn multiple_scattering_returns_the_wanted_albedo() {
+    for p in [0.0, 0.3, 0.5, 0.9] {
+        for a in [0.0, 0.1, 0.5, 1.0_f64] {
+            let one = single_scattering_albedo([a; 3], p);
+            let more = multiple_scattering(one, p);
+            assert!(((1.0 - p) * one[0] + more[0] - a).abs() < 1e-12);
+        }
+    }
+    assert!(single_scattering_albedo([f64::NAN; 3], f64::NAN)[0].is_finite());
+    assert!(multiple_scattering([1.0_f64; 3], 1.0)[0].is_finite());
+}
+
+#[test]
+fn the_printed_model_loses_energy_where_the_study_says() {
+    use published::{PublishedFibre, published_evaluate};
+    let fibre = PublishedFibre {
+        eta: 1.55,
+        core: 0.8,
+        reflectance: 1.0,
+        absorption: 0.0,
+        longitudinal_roughness: 0.1,
+        azimuthal_roughness: 0.3,
+        tilt: 0.0,
+        nodes: 32,
+    };
+    let furnace = |theta_o: f64| {
+        let (n, m) = (600, 24);
+        let mut sum = 0.0;
+        for i in 0..n {
+            let t = -0.5 * PI + PI * (f64::from(i) + 0.5) / f64::from(n);
+            for k in 0..m {
+                let phi = 2.0 * PI * (f64::from(k) + 0.5) / f64::from(m);
+                sum += published_evaluate(&fibre, t, theta_o, phi) * t.cos() * PI / f64::from(n)
+                    * 2.0
+                    * PI
+                    / f64::from(m);
+            }
+        }
+        sum
+    };
+    let (head_on, grazing) = (furnace(0.0), furnace(1.5));
+    println!("printed model, white furnace: {head_on:.3} head on, {grazing:.3} at 1.5");
+    assert!((head_on - 0.937).abs() < 0.01 && grazing < 0.85);
+}

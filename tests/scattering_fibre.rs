@@ -243,25 +243,26 @@ fn albedo_comes_back_from_the_furnace() {
 /// Shape of R and TRcT, each to unit energy: the warp keeps a round fibre's energy, the surface of an ellipse reflects up to 1.5
 /// times less when broadside and 2 times more edge on.
 #[test]
-fn the_warp_of_flat_fibres_keeps_their_energy() {
+fn flat_fibres_scatter_the_energy_they_claim() {
+    let mut worst: f64 = 0.0;
     for aspect in [0.2, 0.4, 0.6, 0.9985, 1.0] {
         for eye in [0.0, 0.5, 1.2, FRAC_PI_2, 2.5] {
-            let round = FibreTable::build(&structural(0.5));
-            let flat = FibreTable::build(&Fibre {
-                aspect,
-                ..structural(0.5)
-            });
-            let o = direction(0.4, eye);
-            let (a, b) = (
-                furnace(&shade(&round, 0.9, o, 0.0), 0.4, 720)[0],
-                furnace(&shade(&flat, 0.9, o, 0.0), 0.4, 720)[0],
-            );
-            assert!(
-                (a - b).abs() < 2e-3,
-                "aspect {aspect} eye {eye}: {b} against {a}"
-            );
+            for theta in [0.0, 0.4, 1.2] {
+                let table = FibreTable::build(&Fibre {
+                    aspect,
+                    ..structural(0.5)
+                });
+                let s = shade(&table, 0.9, direction(theta, eye), 0.0);
+                let (sum, claimed) = (furnace(&s, theta, 360)[0], fibre_albedo(&s)[0]);
+                worst = worst.max((sum - claimed).abs());
+                assert!(
+                    (sum - claimed).abs() < 0.006,
+                    "aspect {aspect} eye {eye}: {sum} against {claimed}"
+                );
+            }
         }
     }
+    println!("flat fibres: energy off by {worst:.4} at most");
 }
 
 #[test]

@@ -37,7 +37,7 @@ fn evaluate(i: u32) {
     let s = scattering::fibre_shading(p, row, albedo, omega_o, input[at + 10u], u32(input[at + 11u]));
     let k = scattering::fibre_evaluate(s, omega_i);
     let split = scattering::fibre_energy_split(s);
-    let out = i * 12u;
+    let out = i * 13u;
     output[out] = k.x;
     output[out + 1u] = k.y;
     output[out + 2u] = k.z;
@@ -50,6 +50,9 @@ fn evaluate(i: u32) {
     output[out + 9u] = split.back.z;
     output[out + 10u] = scattering::light_visibility(omega_i.z, albedo.x, length(omega_i.yz));
     let local = scattering::fibre_local(omega_o, omega_i, albedo);
+    let total = scattering::fibre_albedo(s);
+    let one = scattering::single_scattering_albedo(total, 0.4);
+    output[out + 12u] = scattering::multiple_scattering(one, 0.4).y;
     output[out + 11u] = local.x + 2.0 * local.y + 3.0 * local.z;
 }
 ";
@@ -199,13 +202,13 @@ fn shader_and_crate_agree() {
         ENTRY,
         &input,
         cases.len(),
-        cases.len() * 12,
+        cases.len() * 13,
     ) else {
         return;
     };
     let mut worst = [0.0_f64; 4];
     for (i, c) in cases.iter().enumerate() {
-        let got = &out[i * 12..i * 12 + 12];
+        let got = &out[i * 13..i * 13 + 13];
         assert!(got.iter().all(|x| x.is_finite()), "{i}: {got:?}");
         assert!(got[..11].iter().all(|x| *x >= 0.0), "{i}: {got:?}");
         let s = shade(&tables[c.fibre], c);
@@ -234,6 +237,8 @@ fn shader_and_crate_agree() {
             worst[1] = worst[1].max(e);
         }
         worst[1] = worst[1].max((f64::from(got[3]) - split.specular).abs());
+        let more = multiple_scattering(single_scattering_albedo(fibre_albedo(&s), 0.4), 0.4);
+        worst[1] = worst[1].max((f64::from(got[12]) - more[1]).abs());
         let across = (omega_i[1] * omega_i[1] + omega_i[2] * omega_i[2]).sqrt();
         worst[2] = worst[2].max(
             (f64::from(got[10]) - light_visibility(omega_i[2], f64::from(c.albedo[0]), across))
@@ -299,7 +304,7 @@ fn the_shader_passes_the_furnace() {
         ENTRY,
         &input,
         cases.len(),
-        cases.len() * 12,
+        cases.len() * 13,
     ) else {
         return;
     };
@@ -309,7 +314,7 @@ fn the_shader_passes_the_furnace() {
         let s = shade(&tables[run / eyes.len()], &cases[run * each]);
         for c in 0..3 {
             let sum: f64 = (run * each..(run + 1) * each)
-                .map(|i| f64::from(out[i * 12 + c]) * weights[i])
+                .map(|i| f64::from(out[i * 13 + c]) * weights[i])
                 .sum();
             let energy: f64 = s.energy.iter().map(|e| e[c]).sum();
             worst = worst.max((sum - energy).abs());

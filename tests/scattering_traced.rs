@@ -195,7 +195,7 @@ fn flat_fibres_agree_with_traced_ellipses() {
     let mut random = Pcg64Mcg::new(3);
     let bins = 60;
     for aspect in [0.6, 0.4] {
-        for eye in [0.0, 0.7] {
+        for eye in [0.0, 0.7, 1.4] {
             let traced = TracedFibre {
                 aspect,
                 inner: 0.8,
@@ -220,21 +220,22 @@ fn flat_fibres_agree_with_traced_ellipses() {
                         .map(|i| eye - PI + 2.0 * PI * (i as f64 + 0.5) / bins as f64)
                         .map(|phi| fibre_evaluate(&s, direction(0.0, phi))[0])
                         .collect();
-                    let sum: f64 = model.iter().sum();
+                    let m = longitudinal(s.eye[lobe], (0.0, 1.0), s.width[lobe]);
+                    let difference = |(k, t): (&f64, &f64)| (k / m - t).abs();
                     model
                         .iter()
                         .zip(&histogram[lobe])
-                        .map(|(m, t)| (m / sum - t / truth).abs())
+                        .map(difference)
                         .sum::<f64>()
+                        / truth
                 });
                 println!(
                     "flat lobe {lobe} aspect {aspect} eye {eye}: L1 {:.3}, as a circle {:.3}",
                     errors[0], errors[1]
                 );
-                assert!(
-                    errors[0] < 0.35 && errors[0] < 0.85 * errors[1],
-                    "{errors:?}"
-                );
+                // TRcT of a fibre seen edge on is beyond the warp (rays pass beside the core).
+                assert!((lobe == 3 && eye > 1.0) || errors[0] < 0.85 * errors[1]);
+                assert!(errors[0] < if lobe == 0 { 0.15 } else { 0.6 }, "{errors:?}");
             }
         }
     }

@@ -115,11 +115,11 @@ impl<'a> Body<'a> {
             let eye = self.species.joint("eye_L");
             let ridge = cone(
                 p,
-                eye + Vec3::new(-6.0, 10.0, 10.5),
-                eye + Vec3::new(-1.5, 10.5, -13.0),
-                [5.0, 7.0],
+                eye + Vec3::new(-4.5, 9.5, 9.0),
+                eye + Vec3::new(-5.0, 11.5, -10.0),
+                [5.0, 6.0],
             );
-            d = smooth_min(d, ridge.0, 4.0);
+            d = smooth_min(d, ridge.0, 7.0);
         }
         d = smooth_min(d, smooth_min(parts.legs[0].0, parts.legs[1].0, k), 1.4 * k);
         if self.species.feathered_tarsus {

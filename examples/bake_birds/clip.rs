@@ -8,6 +8,46 @@ use crate::body::Body;
 use crate::nets::Surface;
 use crate::tract::{self, Tract};
 
+/// Splits edges inside a region at their middles, so that it gets four times the triangles.
+pub fn refine(body: &Body, surface: &mut Surface, inside: impl Fn(Vec3) -> bool) {
+    let mut cuts: HashMap<(u32, u32), Option<u32>> = HashMap::new();
+    let mut out = Vec::with_capacity(surface.triangles.len() * 3 / 2);
+    for t in std::mem::take(&mut surface.triangles) {
+        let mut cut = |a: u32, b: u32| {
+            let key = (a.min(b), a.max(b));
+            *cuts.entry(key).or_insert_with(|| {
+                let p = surface.points[a as usize].midpoint(surface.points[b as usize]);
+                inside(p).then(|| {
+                    surface.points.push(body.project(p, 2));
+                    surface.points.len() as u32 - 1
+                })
+            })
+        };
+        let m = [cut(t[0], t[1]), cut(t[1], t[2]), cut(t[2], t[0])];
+        let count = m.iter().flatten().count();
+        // Turn the corner that the cases below name first to the front.
+        let first = (0..3)
+            .find(|i| {
+                if count == 1 {
+                    m[*i].is_some()
+                } else {
+                    m[(*i + 1) % 3].is_none()
+                }
+            })
+            .unwrap_or(0);
+        let [a, b, c] = [0, 1, 2].map(|i| t[(first + i) % 3]);
+        match [0, 1, 2].map(|i| m[(first + i) % 3]) {
+            [Some(ab), Some(bc), Some(ca)] => {
+                out.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]])
+            }
+            [Some(ab), None, Some(ca)] => out.extend([[a, ab, ca], [ab, b, c], [ab, c, ca]]),
+            [Some(ab), None, None] => out.extend([[a, ab, c], [ab, b, c]]),
+            _ => out.push(t),
+        }
+    }
+    surface.triangles = out;
+}
+
 /// Splits triangles that span two colours; returns one tract per triangle of the new surface.
 pub fn clip(body: &Body, surface: &mut Surface) -> Vec<Tract> {
     let parrot = body.species.is_parrot();

@@ -38,6 +38,11 @@ pub fn build(species: &Species) -> Model {
     let body = Body::new(species);
     let skeleton = Skeleton::new(species, &parts::toe_joints(species));
     let mut surface = nets::polygonise(&body);
+    let plane = species.arcs.head_plane - 4.0;
+    // The big bird's cells are too coarse for its face.
+    if species.cell > 6.0 {
+        clip::refine(&body, &mut surface, |p| p.y > plane);
+    }
     let tracts = clip::clip(&body, &mut surface);
     let open_edges = open_edges(&surface.triangles);
     let bindings = weights::bind(&body, &skeleton, &surface);
@@ -50,7 +55,8 @@ pub fn build(species: &Species) -> Model {
         let triangle = t.map(|i| {
             *split.entry((i, tract)).or_insert_with(|| {
                 let p = surface.points[i as usize];
-                let dark = if tract == Tract::Bare { 1.0 } else { 0.6 };
+                let naked = matches!(tract, Tract::Bare | Tract::EyeRing);
+                let dark = if naked { 1.0 } else { 0.6 };
                 let shade = linear(tract::color(species.is_parrot(), tract))
                     .map(|c: f32| c * srgb_factor(dark));
                 let phi = tract::phi(&body, tract, p);

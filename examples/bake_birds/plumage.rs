@@ -93,7 +93,8 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
             let source = Vec3::new(0.0, bill[0] - 14.0, bill[1] + 6.0);
             let away = (p - source).normalize_or(Vec3::NEG_Z);
             let u = head.arc - species.joint("head").z;
-            let w = ((-u - 6.0) / 18.0).clamp(0.0, 1.0);
+            let size = species.scale.sqrt();
+            let w = ((4.0 * size - u) / (22.0 * size)).clamp(0.0, 1.0);
             d = away.lerp(d, w);
             // Round the eye the plumage parts like a stream round a pillar.
             let mut eye = species.joint("eye_L");
@@ -123,9 +124,13 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
         | Tract::MarginalUnder
         | Tract::CovertUnder => d = wing_lay(species, body, p),
         _ => {
-            if trunk.angle < 60.0 || trunk.angle > 120.0 {
-                d.x += 0.18 * side;
-            }
+            // Scapulars fan out over the folded wing.
+            d.x += side
+                * match tract {
+                    Tract::ScapularMantle => 0.30,
+                    _ if trunk.angle < 60.0 || trunk.angle > 120.0 => 0.18,
+                    _ => 0.0,
+                };
         }
     }
     let n = body.normal(p);

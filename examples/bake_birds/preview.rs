@@ -373,6 +373,28 @@ pub fn sheets(species: &Species, model: &Model, groom: &Groom, dir: &Path) -> Re
             sheet
                 .save(&file)
                 .map_err(|e| format!("{}: {e}", file.display()))?;
+            if *name == "fold" && level == 2 {
+                for (view, from) in [
+                    ("hero", Vec3::new(1.15, 0.35, 1.3)),
+                    ("back", Vec3::new(0.9, 0.5, -1.1)),
+                ] {
+                    let file = dir.join(format!("{}_{view}.png", species.name));
+                    draw(&faces, from, 1400, None)
+                        .save(&file)
+                        .map_err(|e| format!("{}: {e}", file.display()))?;
+                }
+                let centre = species.joint("head") + Vec3::new(0.0, 5.0, 20.0);
+                let radius = if species.is_parrot() { 70.0 } else { 85.0 };
+                let file = dir.join(format!("{}_face.png", species.name));
+                draw(
+                    &faces,
+                    Vec3::new(1.15, 0.2, 1.0),
+                    1000,
+                    Some((centre, radius)),
+                )
+                .save(&file)
+                .map_err(|e| format!("{}: {e}", file.display()))?;
+            }
             if *name == "fold" && level == 0 {
                 let centre = species.joint("head") + Vec3::new(0.0, 10.0, 25.0);
                 let radius = if species.is_parrot() { 62.0 } else { 75.0 };

@@ -100,7 +100,8 @@ impl<'a> Builder<'a> {
             width: Span(look.width.0, look.width.1),
             stations,
             mirror: true,
-            handed: !matches!(look.name, "axillaries"),
+            // Seen from the front, tip up, the leading vane of a left feather is the left one only under the wing.
+            handed: look.name.starts_with("under") || look.name == "axillaries",
             lift: Span(look.bend.0, look.bend.0),
             camber: look.bend.1,
             curl: look.bend.2,
@@ -245,11 +246,10 @@ impl<'a> Builder<'a> {
         } else {
             let f = (share - self.ulna_share) / (1.0 - self.ulna_share);
             let start = elbow.lerp(wrist, 0.08);
-            let end = elbow.lerp(shoulder, 0.25);
-            let behind = behind.lerp(self.bind.direction(85.0), f).normalize();
-            let w = 0.3 + 0.5 * f;
+            let end = elbow.lerp(shoulder, 0.12);
+            let w = 0.3 + 0.15 * f;
             (
-                start.lerp(end, f) + behind * reach,
+                start.lerp(end, f) + behind * (reach * (1.0 - 0.25 * f)),
                 vec![joint("ulna_L", 1.0 - w), joint("humerus_L", w)],
             )
         }

@@ -108,14 +108,17 @@ fn region_cards(
         let mut line = vec![q];
         let steps = 4;
         let mut at = q;
+        let mut step = along * (length / steps as f32);
         for i in 1..=steps {
             let d = plumage::lay(species, body, at);
             let next = body.project(at + d * (length / steps as f32), 1);
-            at = if (next - at).dot(along) > 0.0 {
-                next
+            let onward = next - at;
+            step = if onward.dot(step) > 0.5 * onward.length() * step.length() {
+                onward
             } else {
-                at + along * (length / steps as f32)
+                step
             };
+            at += step;
             let f = i as f32 / steps as f32;
             let straight = q + (along * lift.cos() + normal * lift.sin()) * (length * f);
             let height = (0.6 + region.layer * 0.0015) * species.scale.sqrt() + f;

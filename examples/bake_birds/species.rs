@@ -129,8 +129,8 @@ pub struct Arcs {
     pub dorsal: [f32; 4],
     /// Vent ends, belly ends.
     pub ventral: [f32; 2],
-    /// Start and end of the scapulars.
-    pub scapulars: [f32; 2],
+    /// Where the scapulars begin.
+    pub scapulars: f32,
     /// Legs lie below this height.
     pub leg_top: f32,
     /// Height of the plane between head and neck at the skull joint.
@@ -240,7 +240,7 @@ pub fn macaw() -> Species {
             elbow: 26.,
             wrist: 28.,
             roll: 70.,
-            push: 11.,
+            push: 9.,
             tuck: 2.4,
         },
         bind: WingPose {
@@ -276,7 +276,7 @@ pub fn macaw() -> Species {
         arcs: Arcs {
             dorsal: [28., 95., 155., 212.],
             ventral: [78., 140.],
-            scapulars: [135., 205.],
+            scapulars: 205.,
             leg_top: 136.,
             head_plane: 283.,
             nape: 4.,
@@ -351,7 +351,7 @@ pub fn eagle() -> Species {
             elbow: 22.,
             wrist: 24.,
             roll: 70.,
-            push: 17.,
+            push: 13.,
             tuck: 3.,
         },
         bind: WingPose {
@@ -387,7 +387,7 @@ pub fn eagle() -> Species {
         arcs: Arcs {
             dorsal: [40., 135., 220., 300.],
             ventral: [112., 200.],
-            scapulars: [190., 292.],
+            scapulars: 292.,
             leg_top: 287.,
             head_plane: 487.,
             nape: 2.,

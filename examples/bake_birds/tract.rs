@@ -32,12 +32,11 @@ pub enum Tract {
     LesserUnder = 21,
     MarginalUnder = 22,
     CovertUnder = 23,
-    /// Mantle and flank below the scapulars, which overlap both.
+    /// Mantle below the scapulars, which overlap it.
     ScapularMantle = 24,
-    ScapularFlank = 25,
     /// Skin round the lore and chin that carries bristles (eagle).
     Lore = 26,
-    /// Naked rim of the eye (eagle).
+    /// Naked rim of the eye.
     EyeRing = 27,
 }
 
@@ -48,7 +47,12 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     let parts = body.parts(q);
     let arcs = s.arcs;
     if bare(body, q) {
-        return Tract::Bare;
+        let near = (q - s.joint("eye_L")).length() < 1.5 * s.eye[0];
+        return if near && s.is_parrot() {
+            Tract::EyeRing
+        } else {
+            Tract::Bare
+        };
     }
     let eye = s.joint("eye_L");
     if !s.is_parrot() && ((q.y - eye.y) / 9.5).hypot((q.z - eye.z - 2.5) / 12.0) < 1.0 && q.x > 20.0
@@ -98,7 +102,7 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
         };
     }
     if theta < 62.0 {
-        let scapular = theta > 48.0 && arc < arcs.scapulars[1] && arc > back;
+        let scapular = theta > 40.0 && arc < arcs.scapulars;
         return match arc {
             a if a < rump => Tract::Rump,
             a if a < back => Tract::Back,
@@ -115,9 +119,6 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
         } else {
             Tract::Vent
         };
-    }
-    if theta < 80.0 && arc > arcs.scapulars[0] && arc < arcs.scapulars[1] {
-        return Tract::ScapularFlank;
     }
     Tract::Flank
 }
@@ -138,7 +139,7 @@ fn bare(body: &Body, q: Vec3) -> bool {
         let h = (0.5 + 0.5 * (rim - patch) / 10.0).clamp(0.0, 1.0);
         rim * (1.0 - h) + patch * h - 10.0 * h * (1.0 - h) < 0.0
     } else {
-        q.z > 96.0 && q.y > 499.0
+        (q.z - 108.0).hypot(q.y - 517.0) < 19.5 - 0.05 * q.x * q.x && q.z > 94.0
     }
 }
 
@@ -211,7 +212,6 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         Tract::Belly => arc(belly, vent),
         Tract::Vent => arc(vent, tail),
         Tract::Flank => arc(mantle, tail),
-        Tract::ScapularFlank => arc(arcs.scapulars[1], arcs.scapulars[0]),
         Tract::TailUpper | Tract::TailUnder => arc(tail, -0.6 * tail),
         Tract::Femoral => parts.legs[0].1,
         Tract::Crural => parts.legs[1].1,
@@ -233,13 +233,13 @@ pub fn color(parrot: bool, tract: Tract) -> u32 {
     use Tract::*;
     if parrot {
         match tract {
-            Bare => 0xF0E3D8,
+            Bare | EyeRing => 0xF0E3D8,
             Rump | TailUpper | TailUnder => 0x5DA9DC,
             Vent => 0x9A5A6A,
             Back => 0xA8504A,
             CovertUpper => 0x8A7A30,
             LesserUnder | MarginalUnder | CovertUnder => 0xB03020,
-            Belly | Flank | Femoral | Crural | ScapularFlank => 0xB8221A,
+            Belly | Flank | Femoral | Crural => 0xB8221A,
             _ => 0xC4241A,
         }
     } else {

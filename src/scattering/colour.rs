@@ -77,3 +77,23 @@ pub fn fibre_colour<T: Float>(p: &FibreParameters<T>, albedo: [T; 3]) -> FibreCo
     }
     colour
 }
+
+/// Albedo that one fibre must have for dense plumage to show `albedo`, when scattered light meets another fibre with chance
+/// `meeting` (0..1; 0 returns `albedo`; 0.5 is dense). Scattering study 5.4.
+pub fn single_scattering_albedo<T: Float>(albedo: [T; 3], meeting: T) -> [T; 3] {
+    let p = clamp(meeting, T::zero(), real(0.99));
+    albedo.map(|a| {
+        let a = clamp(a, T::zero(), T::one());
+        a / (T::one() - p + p * a)
+    })
+}
+
+/// Energy of light that met further fibres, for a fibre of albedo `a`: times the mean radiance around the feather it completes
+/// `(1 - meeting)` times the direct light. Both together are `(1 - p) a / (1 - p a)`, 1 for a white fibre. Study 9.1.
+pub fn multiple_scattering<T: Float>(albedo: [T; 3], meeting: T) -> [T; 3] {
+    let p = clamp(meeting, T::zero(), real(0.99));
+    albedo.map(|a| {
+        let a = clamp(a, T::zero(), T::one());
+        p * (T::one() - p) * a * a / (T::one() - p * a)
+    })
+}

@@ -1,7 +1,7 @@
 //! One pixel, then one light: the twins of `scattering.wgsl`.
 
 use super::{
-    FIBRE_HARMONICS, FibreParameters, FibreRow, Lobe, clamp, dot, fibre_colour,
+    FIBRE_HARMONICS, FibreParameters, FibreRow, Lobe, clamp, dot, fibre_colour, fresnel,
     gamma_transmittance, lobe_shift, lobe_width, longitudinal, real,
 };
 use num_traits::Float;
@@ -25,6 +25,12 @@ pub struct FibreShading<T> {
     pub structural: bool,
     /// Minor over major axis.
     pub aspect: T,
+    /// Aspect that R sees, the roughness taken into account; at most 1.
+    pub surface_aspect: T,
+    /// Refractive index and cosine of the eye's inclination: the reflection of flat fibres needs them.
+    pub eta: T,
+    /// See [`Self::eta`].
+    pub cos_eye: T,
     /// Azimuth of the eye as the unit vector (y, z).
     pub azimuth: [T; 2],
     /// Half width of the transition to the dark back, and how dark the back is (0..1).
@@ -100,6 +106,34 @@ fn polar<T: Float>(omega: [T; 3]) -> ((T, T), [T; 2]) {
     )
 }
 
+/// Aspect from which on a fibre counts as round.
+const ROUND: f64 = 0.999;
+
+/// Surface reflection of an elliptic fibre over that of a round one: less when seen broadside, more edge on.
+fn flat_reflection<T: Float>(aspect: T, eta: T, cos_o: T, azimuth: [T; 2]) -> T {
+    // Gauss-Legendre over the silhouette; t is the parametric angle of the ellipse.
+    let [st, ct] = {
+        let (y, z) = (aspect * azimuth[0], azimuth[1]);
+        let l = (y * y + z * z).max(real(1e-12)).sqrt();
+        [y / l, z / l]
+    };
+    let (mut flat, mut round) = (T::zero(), T::zero());
+    for (h, w) in [
+        (0.238_619_2, 0.467_913_9),
+        (0.661_209_4, 0.360_761_6),
+        (0.932_469_5, 0.171_324_5),
+    ] {
+        let c = real::<T>((1.0_f64 - h * h).sqrt());
+        for h in [real::<T>(h), real(-h)] {
+            let (z, y) = (ct * c - st * h, aspect * (st * c + ct * h));
+            let cos = (z * azimuth[1] + y * azimuth[0]) / (z * z + y * y).max(real(1e-12)).sqrt();
+            flat = flat + fresnel(cos_o * cos, eta) * real(w);
+            round = round + fresnel(cos_o * c, eta) * real(w);
+        }
+    }
+    flat / round
+}
+
 /// Stretch of the azimuth warp of R and TRcT where the eye meets the fibre head on (scattering study 1.5).
 fn stretch<T: Float>(aspect: T, azimuth: [T; 2]) -> T {
     let (s2, c2, a2) = (
@@ -141,13 +175,23 @@ pub fn fibre_shading<T: Float>(
     let mut energy = [[zero; 3]; 4];
     let mut dense = [zero; 3];
     let series_share = row[0][0] * real(0.945);
+    // The lobe of a flat fibre is as narrow as it is flat: what blur would add is taken off the flatness.
+    let surface_aspect = (sq(p.aspect) + sq(p.azimuthal_roughness / real(1.37)))
+        .sqrt()
+        .min(one);
+    let (mut surface, mut entering) = (row[0][0], one);
+    if p.aspect < real(ROUND) {
+        surface = (surface * flat_reflection(surface_aspect, p.eta, cos_o, azimuth)).min(one);
+        entering = (one - surface) / (one - row[0][0]).max(real(1e-6));
+    }
     for c in 0..3 {
         let sigma = colour.absorption[c];
         dense[c] = (two * sigma / (two + sigma)).min(real(1.3));
-        energy[0][c] = row[0][0];
-        energy[1][c] = row[0][1] * gamma_transmittance(row[1][0], row[1][1], sigma);
-        energy[2][c] = row[0][2] * gamma_transmittance(row[1][2], row[1][3], sigma);
+        energy[0][c] = surface;
+        energy[1][c] = row[0][1] * entering * gamma_transmittance(row[1][0], row[1][1], sigma);
+        energy[2][c] = row[0][2] * entering * gamma_transmittance(row[1][2], row[1][3], sigma);
         energy[3][c] = row[0][3]
+            * entering
             * if p.structural {
                 let r = colour.core[c];
                 r * (one - series_share) / (one - series_share * r)
@@ -202,6 +246,9 @@ pub fn fibre_shading<T: Float>(
         medulla,
         structural: p.structural,
         aspect: p.aspect,
+        surface_aspect,
+        eta: p.eta,
+        cos_eye: cos_o,
         azimuth,
         back: [p.azimuthal_roughness, clamp(dark_back, zero, one)],
     }
@@ -240,12 +287,14 @@ pub fn fibre_evaluate<T: Float>(s: &FibreShading<T>, omega_i: [T; 3]) -> [T; 3] 
     };
 
     let (mut cos_reflect, mut jacobian, mut cos_through, mut shrink) = (cos_phi, one, cos_phi, one);
-    if s.aspect < real(0.999) {
+    let mut reflected = azimuthal(&s.series[0], cos_phi);
+    if s.aspect < real(ROUND) {
         let a = s.aspect;
         let (hit2, eye2) = (sq(half[0]) + sq(a * half[1]), sq(a * o[0]) + sq(o[1]));
         let d = (a * half[1] * o[1] + half[0] * a * o[0]) / (hit2 * eye2).max(real(1e-12)).sqrt();
         cos_reflect = clamp(two * d * d - one, -one, one);
         jacobian = a / hit2.max(real(1e-6));
+        reflected = flat_surface(s, half) / s.energy[0][0].max(real(1e-6));
         let root = a.sqrt();
         let bend = (-cos_phi).max(-one).min(one).acos() / root;
         shrink = if bend > pi { zero } else { one / root };
@@ -254,7 +303,7 @@ pub fn fibre_evaluate<T: Float>(s: &FibreShading<T>, omega_i: [T; 3]) -> [T; 3] 
 
     let norm = one / (two * pi);
     let m = |i: usize| longitudinal(s.eye[i], light, s.width[i]) * norm;
-    let reflected = azimuthal(&s.series[0], cos_reflect) * jacobian * m(0);
+    let reflected = reflected * m(0);
     let inner = azimuthal(&s.series[3], cos_phi) * m(2);
     let (clear, dense) = (
         raw_series(&s.series[1], cos_through),
@@ -281,6 +330,19 @@ pub fn fibre_evaluate<T: Float>(s: &FibreShading<T>, omega_i: [T; 3]) -> [T; 3] 
     })
 }
 
+/// Density of R in phi times 2 pi and its energy for a flat fibre: the closed form J F cos(phi'/2)/4 (scattering study 1.5).
+/// `half` is the azimuth half way between eye and light.
+fn flat_surface<T: Float>(s: &FibreShading<T>, half: [T; 2]) -> T {
+    let (a, o) = (s.surface_aspect, s.azimuth);
+    let hit2 = (sq(half[0]) + sq(a * half[1])).max(real(1e-6));
+    let eye2 = sq(a * o[0]) + sq(o[1]);
+    let incidence = half[0] * o[0] + half[1] * o[1];
+    let d = a * incidence / (hit2 * eye2).max(real(1e-12)).sqrt();
+    real::<T>(std::f64::consts::FRAC_PI_2) * a / hit2
+        * d.abs().min(T::one())
+        * fresnel(s.cos_eye * incidence, s.eta)
+}
+
 fn sq<T: Float>(x: T) -> T {
     x * x
 }
@@ -305,6 +367,11 @@ fn share_front<T: Float>(s: &[T; FIBRE_HARMONICS]) -> T {
         T::zero(),
         T::one(),
     )
+}
+
+/// Share of light that the fibre scatters into all directions, linear RGB, 0..1.
+pub fn fibre_albedo<T: Float>(s: &FibreShading<T>) -> [T; 3] {
+    std::array::from_fn(|c| s.energy[0][c] + s.energy[1][c] + s.energy[2][c] + s.energy[3][c])
 }
 
 /// Splits the fibre's energy for light without a direction. `specular + front + back` is the albedo, less what a dark back

@@ -17,16 +17,20 @@ mod lobes;
 mod longitudinal;
 mod medulla;
 mod parameters;
+pub mod published;
 mod quadrature;
 pub mod reference;
 mod sample;
 mod sheen;
 mod table;
 
-pub use colour::{FibreColour, fibre_colour, gamma_fit, gamma_transmittance};
+pub use colour::{
+    FibreColour, fibre_colour, gamma_fit, gamma_transmittance, multiple_scattering,
+    single_scattering_albedo,
+};
 pub use evaluate::{
-    FibreEnergy, FibreShading, azimuthal, fibre_energy_split, fibre_evaluate, fibre_local,
-    fibre_shading, light_visibility,
+    FibreEnergy, FibreShading, azimuthal, fibre_albedo, fibre_energy_split, fibre_evaluate,
+    fibre_local, fibre_shading, light_visibility,
 };
 pub use feather::{FeatherPart, feather_bsdf};
 pub use fibre::{Fibre, FibreKind, Optics, Sheen};

@@ -9,6 +9,8 @@
 const FIBRE_ROW_LENGTH: u32 = 13u;
 const FIBRE_ROW_COUNT: u32 = 16u;
 
+// Aspect from which on a fibre counts as round.
+const FIBRE_ROUND: f32 = 0.999;
 const SCATTERING_PI: f32 = 3.14159265358979;
 
 struct FibreParameters {
@@ -66,6 +68,9 @@ struct FibreShading {
     medulla: vec3<f32>,
     structural: bool,
     aspect: f32,
+    surface_aspect: f32,
+    eta: f32,
+    cos_eye: f32,
     azimuth: vec2<f32>,
     back_edge: f32,
     dark_back: f32,
@@ -200,6 +205,35 @@ fn fibre_polar(omega: vec3<f32>) -> FibrePolar {
     return FibrePolar(clamp(omega.x, -1.0, 1.0), min(c, 1.0), azimuth);
 }
 
+// Unpolarised reflectance of a smooth dielectric from outside, eta > 1.
+fn fresnel(cos_in: f32, eta: f32) -> f32 {
+    let c = clamp(abs(cos_in), 0.0, 1.0);
+    let t = sqrt(max(1.0 - (1.0 - c * c) / (eta * eta), 0.0));
+    let s = (c - eta * t) / (c + eta * t);
+    let p = (eta * c - t) / (eta * c + t);
+    return 0.5 * (s * s + p * p);
+}
+
+// Fresnel reflectances of an elliptic and of a round fibre at the heights h and -h of the silhouette.
+fn fibre_reflection_pair(h: f32, aspect: f32, eta: f32, cos_o: f32, azimuth: vec2<f32>, t: vec2<f32>) -> vec2<f32> {
+    let c = sqrt(1.0 - h * h);
+    let upper = vec2<f32>(aspect * (t.x * c + t.y * h), t.y * c - t.x * h);
+    let lower = vec2<f32>(aspect * (t.x * c - t.y * h), t.y * c + t.x * h);
+    let cos_upper = dot(upper, azimuth) / sqrt(max(dot(upper, upper), 1e-12));
+    let cos_lower = dot(lower, azimuth) / sqrt(max(dot(lower, lower), 1e-12));
+    return vec2<f32>(fresnel(cos_o * cos_upper, eta) + fresnel(cos_o * cos_lower, eta), 2.0 * fresnel(cos_o * c, eta));
+}
+
+// Surface reflection of an elliptic fibre over that of a round one: less when seen broadside, more edge on.
+fn fibre_flat_reflection(aspect: f32, eta: f32, cos_o: f32, azimuth: vec2<f32>) -> f32 {
+    let raw = vec2<f32>(aspect * azimuth.x, azimuth.y);
+    let t = raw / sqrt(max(dot(raw, raw), 1e-12));
+    let sum = 0.4679139 * fibre_reflection_pair(0.2386192, aspect, eta, cos_o, azimuth, t)
+        + 0.3607616 * fibre_reflection_pair(0.6612094, aspect, eta, cos_o, azimuth, t)
+        + 0.1713245 * fibre_reflection_pair(0.9324695, aspect, eta, cos_o, azimuth, t);
+    return sum.x / sum.y;
+}
+
 fn fibre_stretch(aspect: f32, azimuth: vec2<f32>) -> f32 {
     let square = azimuth * azimuth;
     let a = aspect * aspect;
@@ -232,14 +266,22 @@ fn fibre_shading(
     let colour = fibre_colour(p, albedo);
     var s: FibreShading;
 
+    // The lobe of a flat fibre is as narrow as it is flat: what blur would add is taken off the flatness.
+    let spread = p.azimuthal_roughness / 1.37;
+    s.surface_aspect = min(sqrt(p.aspect * p.aspect + spread * spread), 1.0);
     s.energy_surface = row.energy.x;
-    s.energy_through = row.energy.y * gamma_transmittance(row.absorption.x, row.absorption.y, colour.absorption);
-    s.energy_inner = row.energy.z * gamma_transmittance(row.absorption.z, row.absorption.w, colour.absorption);
+    var entering = 1.0;
+    if p.aspect < FIBRE_ROUND {
+        s.energy_surface = min(row.energy.x * fibre_flat_reflection(s.surface_aspect, p.eta, eye.cosine, eye.azimuth), 1.0);
+        entering = (1.0 - s.energy_surface) / max(1.0 - row.energy.x, 1e-6);
+    }
+    s.energy_through = row.energy.y * entering * gamma_transmittance(row.absorption.x, row.absorption.y, colour.absorption);
+    s.energy_inner = row.energy.z * entering * gamma_transmittance(row.absorption.z, row.absorption.w, colour.absorption);
     let series = 0.945 * row.energy.x;
     if p.structural {
-        s.energy_fourth = row.energy.w * colour.core * (1.0 - series) / (1.0 - series * colour.core);
+        s.energy_fourth = row.energy.w * entering * colour.core * (1.0 - series) / (1.0 - series * colour.core);
     } else {
-        s.energy_fourth = row.energy.w * gamma_transmittance(row.medulla.x, row.medulla.y, colour.absorption);
+        s.energy_fourth = row.energy.w * entering * gamma_transmittance(row.medulla.x, row.medulla.y, colour.absorption);
     }
     s.dense_share = min(2.0 * colour.absorption / (2.0 + colour.absorption), vec3<f32>(1.3));
 
@@ -269,6 +311,8 @@ fn fibre_shading(
     s.width = p.longitudinal_roughness * vec4<f32>(1.0, 0.5, 2.0, 0.5 * sqrt(1.0 + p.eta * p.eta));
     s.structural = p.structural;
     s.aspect = p.aspect;
+    s.eta = p.eta;
+    s.cos_eye = eye.cosine;
     s.azimuth = eye.azimuth;
     s.back_edge = p.azimuthal_roughness;
     s.dark_back = clamp(dark_back, 0.0, 1.0);
@@ -296,6 +340,17 @@ fn azimuthal(series: array<vec4<f32>, 2>, cosines: array<vec4<f32>, 2>) -> f32 {
     return max(1.0 + dot(series[0], cosines[0]) + dot(series[1], cosines[1]), 0.0);
 }
 
+// Density of R in phi times 2 pi and its energy for a flat fibre: J F cos(phi'/2)/4 in closed form.
+fn fibre_flat_surface(s: FibreShading, middle: vec2<f32>) -> f32 {
+    let a = s.surface_aspect;
+    let o = s.azimuth;
+    let hit = max(middle.x * middle.x + a * a * middle.y * middle.y, 1e-6);
+    let seen = a * a * o.x * o.x + o.y * o.y;
+    let incidence = dot(middle, o);
+    let d = a * incidence / sqrt(max(hit * seen, 1e-12));
+    return 0.5 * SCATTERING_PI * a / hit * min(abs(d), 1.0) * fresnel(s.cos_eye * incidence, s.eta);
+}
+
 // K = S cos(theta_i), RGB per steradian, for light from omega_i in the fibre's frame.
 fn fibre_evaluate(s: FibreShading, omega_i: vec3<f32>) -> vec3<f32> {
     let polar = fibre_polar(omega_i);
@@ -310,14 +365,16 @@ fn fibre_evaluate(s: FibreShading, omega_i: vec3<f32>) -> vec3<f32> {
     var reflect_cosines = cosines;
     var through_cosines = cosines;
     var jacobian = 1.0;
+    var reflected = azimuthal(s.surface, cosines);
     var shrink = 1.0;
-    if s.aspect < 0.999 {
+    if s.aspect < FIBRE_ROUND {
         let a = s.aspect;
         let hit = middle.x * middle.x + a * a * middle.y * middle.y;
         let seen = a * a * o.x * o.x + o.y * o.y;
         let d = a * (middle.y * o.y + middle.x * o.x) * inverseSqrt(max(hit * seen, 1e-12));
         reflect_cosines = fibre_cosines(clamp(2.0 * d * d - 1.0, -1.0, 1.0), s.fine);
         jacobian = a / max(hit, 1e-6);
+        reflected = fibre_flat_surface(s, middle) / max(s.energy_surface, 1e-6);
         let root = sqrt(a);
         let bend = fibre_acos(-cos_phi) / root;
         shrink = select(1.0 / root, 0.0, bend > SCATTERING_PI);
@@ -325,8 +382,7 @@ fn fibre_evaluate(s: FibreShading, omega_i: vec3<f32>) -> vec3<f32> {
     }
 
     let norm = 0.5 / SCATTERING_PI;
-    let surface = azimuthal(s.surface, reflect_cosines) * jacobian
-        * longitudinal(vec2<f32>(s.eye_sin.x, s.eye_cos.x), light, s.width.x) * norm;
+    let surface = reflected * longitudinal(vec2<f32>(s.eye_sin.x, s.eye_cos.x), light, s.width.x) * norm;
     let inner = azimuthal(s.inner, cosines) * longitudinal(vec2<f32>(s.eye_sin.z, s.eye_cos.z), light, s.width.z) * norm;
     let clear = 1.0 + dot(s.clear[0], through_cosines[0]) + dot(s.clear[1], through_cosines[1]);
     let dense = 1.0 + dot(s.dense[0], through_cosines[0]) + dot(s.dense[1], through_cosines[1]);
@@ -362,6 +418,25 @@ fn light_visibility(cos_normal: f32, coverage: f32, cos_theta: f32) -> f32 {
 fn fibre_share_front(s: array<vec4<f32>, 2>) -> f32 {
     let odd = s[0].x - s[0].z / 3.0 + s[1].x / 5.0 - s[1].z / 7.0;
     return clamp(0.5 + odd / SCATTERING_PI, 0.0, 1.0);
+}
+
+// Share of light that the fibre scatters into all directions.
+fn fibre_albedo(s: FibreShading) -> vec3<f32> {
+    return s.energy_surface + s.energy_through + s.energy_inner + s.energy_fourth;
+}
+
+// Albedo one fibre must have for plumage to show `albedo`, when scattered light meets another fibre with chance `meeting`.
+fn single_scattering_albedo(albedo: vec3<f32>, meeting: f32) -> vec3<f32> {
+    let p = clamp(meeting, 0.0, 0.99);
+    let a = clamp(albedo, vec3<f32>(0.0), vec3<f32>(1.0));
+    return a / (1.0 - p + p * a);
+}
+
+// Energy of light that met further fibres: times the mean radiance around, it completes (1 - meeting) times the direct light.
+fn multiple_scattering(albedo: vec3<f32>, meeting: f32) -> vec3<f32> {
+    let p = clamp(meeting, 0.0, 0.99);
+    let a = clamp(albedo, vec3<f32>(0.0), vec3<f32>(1.0));
+    return p * (1.0 - p) * a * a / (1.0 - p * a);
 }
 
 // Energy by side, for light without a direction (environment maps): specular + front + back = albedo.
