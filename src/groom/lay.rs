@@ -50,7 +50,8 @@ pub fn lay_field<'a>(skin: &SkinMesh, guides: impl Iterator<Item = &'a Guide>, u
             let sum = found.into_iter().fold(Vec3::ZERO, |sum, item| {
                 let stroke = &strokes[item.item as usize];
                 let facing = (0.5 + 0.5 * stroke.normal.dot(normal)).clamp(0.02, 1.0);
-                let carried = if stroke.normal.dot(normal) > -0.9 {
+                // Carried round more than a quarter turn a direction means nothing (over the chin it would come out reversed).
+                let carried = if stroke.normal.dot(normal) > 0.3 {
                     Quat::from_rotation_arc(stroke.normal, normal) * stroke.direction
                 } else {
                     stroke.direction
