@@ -6,7 +6,11 @@
 //! aspect). Left is `x < 0`. Every length below whose unit is not named is in feather lengths.
 
 use crate::scattering::Optics;
-use bevy::{asset::Asset, reflect::Reflect};
+use bevy::{
+    asset::{Asset, Handle},
+    image::Image,
+    reflect::Reflect,
+};
 use serde::{Deserialize, Serialize};
 
 /// One feather, as it lies in a `*.feather.ron` file.
@@ -37,6 +41,10 @@ pub struct Feather {
     /// Fibre optics.
     #[serde(default)]
     pub optics: Optics,
+    /// The image that `albedo.image` names; the loader fills it in.
+    #[serde(skip)]
+    #[dependency]
+    pub image: Option<Handle<Image>>,
 }
 
 /// Outline P: half widths of the two vanes along the feather, as the *reach of the barb* rooted at each height.
@@ -114,7 +122,12 @@ pub struct Gaps {
 
 impl Default for Gaps {
     fn default() -> Self {
-        Self { count: 0, width: 0.01, depth: 0.5, seed: 1 }
+        Self {
+            count: 0,
+            width: 0.01,
+            depth: 0.5,
+            seed: 1,
+        }
     }
 }
 

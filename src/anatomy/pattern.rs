@@ -1,0 +1,147 @@
+//! The painted pattern baked into a small image over the UV rectangle.
+
+use super::{Albedo, Feather, Pattern, Side, map};
+use noise::{NoiseFn, Perlin};
+
+impl Albedo {
+    /// The pattern of the face towards the body.
+    pub fn back_pattern(&self) -> &Pattern {
+        self.back.as_ref().unwrap_or(&self.front)
+    }
+}
+
+/// Default width of a baked pattern in pixels.
+pub const BAKE_WIDTH: usize = 32;
+/// Default height of a baked pattern in pixels.
+pub const BAKE_HEIGHT: usize = 128;
+
+fn hermite(low: f32, high: f32, x: f32) -> f32 {
+    let t = ((x - low) / (high - low).max(1e-6)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+fn blend(from: [f32; 4], to: [f32; 4], share: f32) -> [f32; 4] {
+    std::array::from_fn(|i| from[i] + (to[i] - from[i]) * share)
+}
+
+fn with_tint(rgb: [f32; 3], tint: f32) -> [f32; 4] {
+    [rgb[0], rgb[1], rgb[2], tint]
+}
+
+/// What one feather's patterns have in common: outline, map, noise.
+struct Canvas<'a> {
+    feather: &'a Feather,
+    outline: Vec<[f32; 2]>,
+    /// Largest reach, the unit of a rim's width.
+    half_width: f32,
+    perlin: Perlin,
+}
+
+impl Canvas<'_> {
+    /// Signed distance to the outline in half widths, positive inside the vane.
+    fn inset(&self, side: Side, point: [f32; 2]) -> f32 {
+        let mut squared = f32::INFINITY;
+        for (i, a) in self.outline.iter().enumerate() {
+            let b = self.outline[(i + 1) % self.outline.len()];
+            let (edge, to) = (
+                [b[0] - a[0], b[1] - a[1]],
+                [point[0] - a[0], point[1] - a[1]],
+            );
+            let length = (edge[0] * edge[0] + edge[1] * edge[1]).max(1e-12);
+            let t = ((edge[0] * to[0] + edge[1] * to[1]) / length).clamp(0.0, 1.0);
+            let gap = [to[0] - t * edge[0], to[1] - t * edge[1]];
+            squared = squared.min(gap[0] * gap[0] + gap[1] * gap[1]);
+        }
+        let root = map::barb_root(point, self.feather.vane(side).alpha_b());
+        let inside = point[0].abs() < self.feather.contour.reach(side, root);
+        let distance = squared.min(4.0).sqrt() / self.half_width;
+        if inside { distance } else { -distance }
+    }
+
+    fn colour(&self, pattern: &Pattern, point: [f32; 2]) -> [f32; 4] {
+        let [x, y] = point;
+        let across = x / self.half_width;
+        let side = if x < 0.0 { Side::Left } else { Side::Right };
+        let noise =
+            |a: f32, b: f32, seed: f64| self.perlin.get([f64::from(a), f64::from(b), seed]) as f32;
+        // Zones and bars follow the barbs a little and are never ruler-straight.
+        let along =
+            y - 0.06 * across.abs() * self.half_width + 0.02 * noise(across * 2.0, y * 6.0, 0.5);
+        let mut colour = stop_colour(pattern, along);
+        if let Some((count, rgb, share, waviness)) = pattern.bars {
+            let wave = waviness
+                * (0.9 * noise(across * 1.7, y * count * 0.4, 1.5)
+                    + 0.25 * (across.abs() * 3.0).sin());
+            let phase = (y * count + wave).rem_euclid(1.0);
+            let from_middle = (phase - 0.5).abs();
+            let softness = 0.06 + 0.1 * waviness;
+            let bar = 1.0 - hermite(share * 0.5 - softness, share * 0.5 + softness, from_middle);
+            colour = blend(colour, with_tint(rgb, 0.0), bar);
+        }
+        if let Some((width, rgb, tint)) = pattern.rim {
+            let soft = (width * 0.35).max(0.02);
+            let rim = 1.0 - hermite(width - soft, width + soft, self.inset(side, point));
+            colour = blend(colour, with_tint(rgb, tint), rim);
+        }
+        if pattern.mottle > 0.0 {
+            let grain = 0.7 * noise(across * 6.0, y / self.half_width * 3.5, 2.5)
+                + 0.5 * noise(across * 14.0, y / self.half_width * 9.0, 3.5);
+            let value = 1.0 + pattern.mottle * grain;
+            for channel in &mut colour[..3] {
+                *channel = (*channel * value).clamp(0.0, 1.0);
+            }
+        }
+        colour
+    }
+}
+
+/// Colour and tint share of the stops at height `v`, held beyond the first and last.
+fn stop_colour(pattern: &Pattern, v: f32) -> [f32; 4] {
+    let Some(&(first, rgb, tint)) = pattern.stops.first() else {
+        return [0.5, 0.5, 0.5, 0.0];
+    };
+    let mut last = (first, with_tint(rgb, tint));
+    for &(at, rgb, tint) in &pattern.stops {
+        let here = with_tint(rgb, tint);
+        if v < at {
+            return blend(
+                last.1,
+                here,
+                ((v - last.0) / (at - last.0).max(1e-6)).clamp(0.0, 1.0),
+            );
+        }
+        last = (at, here);
+    }
+    last.1
+}
+
+impl Pattern {
+    /// The pattern as `width` x `height` RGBA bytes over the UV rectangle of `feather`, rows from v = 0 (skin) to 1, each
+    /// row from u = 0 to 1. RGB is sRGB, A the tint share (0 keeps the colour, 255 hands it to the groom). The pattern
+    /// runs on beyond the outline, so that filtering at the rim picks up no foreign colour. Sizes are clamped to 1..4096.
+    pub fn bake(&self, width: usize, height: usize, feather: &Feather) -> Vec<u8> {
+        let (width, height) = (width.clamp(1, 4096), height.clamp(1, 4096));
+        let reach = feather.contour.left.iter().chain(&feather.contour.right);
+        let canvas = Canvas {
+            feather,
+            outline: feather
+                .contour
+                .resampled(96)
+                .polyline([feather.left.barb_angle, feather.right.barb_angle]),
+            half_width: reach.copied().fold(1e-3, f32::max),
+            perlin: Perlin::new(feather.gaps.seed),
+        };
+        let map = feather.map();
+        let mut bytes = Vec::with_capacity(width * height * 4);
+        for row in 0..height {
+            let v = (row as f64 + 0.5) / height as f64;
+            for column in 0..width {
+                let u = (column as f64 + 0.5) / width as f64;
+                let point = map.canonical([u, v]).map(|x| x as f32);
+                let colour = canvas.colour(self, point);
+                bytes.extend(colour.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8));
+            }
+        }
+        bytes
+    }
+}

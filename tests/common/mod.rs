@@ -1,0 +1,4 @@
+//! Code that the integration tests share.
+#![allow(dead_code)]
+
+pub mod gpu;
