@@ -13,9 +13,9 @@ fn main() {
     helper::run("parrot", |app| {
         app.insert_resource(Shots {
             hero: Framing {
-                target: Vec3::new(0.0, 0.08, -0.05),
-                eye: Vec3::new(1.5, 0.45, 1.95),
-                fov: 27.0,
+                target: Vec3::new(0.0, -0.02, -0.08),
+                eye: Vec3::new(1.15, 0.42, 2.15),
+                fov: 19.5,
             },
             closeup: Framing {
                 target: Vec3::new(-0.16, 0.20, 0.05),

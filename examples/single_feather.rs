@@ -95,7 +95,7 @@ fn card(length: f32, width: f32) -> Card {
         feather: 0,
         region: 0,
         layer: 0.0,
-        tint: [0.60, 0.03, 0.02],
+        tint: [0.014, 0.06, 0.34],
         seed: 1,
         mirrored: false,
     }

@@ -11,13 +11,14 @@ use bevy::{
 /// Radiance of the sky, relative units: blue above, a bright hazy horizon, a warm ground, a soft window of light.
 pub fn radiance(direction: Vec3) -> Vec3 {
     let up = direction.y;
-    let zenith = Vec3::new(0.30, 0.46, 0.78);
-    let horizon = Vec3::new(0.92, 0.93, 0.92);
-    let ground = Vec3::new(0.20, 0.18, 0.15);
+    let zenith = Vec3::new(0.36, 0.52, 0.80);
+    let horizon = Vec3::new(0.86, 0.90, 0.92);
+    let ground = Vec3::new(0.26, 0.27, 0.22);
+    // The horizon is far and hazy: no line.
     let base = if up >= 0.0 {
-        horizon.lerp(zenith, up.powf(0.55))
+        horizon.lerp(zenith, up.powf(0.7))
     } else {
-        (horizon * 0.55).lerp(ground, (-up * 5.0).min(1.0))
+        horizon.lerp(ground, (1.0 - (1.0 + up).powi(3)).min(1.0))
     };
     let window = Vec3::new(-0.7, 0.45, 0.55).normalize();
     let glow = ((direction.dot(window) - 0.72) / 0.2).clamp(0.0, 1.0);

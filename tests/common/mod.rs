@@ -1,5 +1,6 @@
 //! Code that the integration tests share.
 #![allow(dead_code)]
 
+pub mod app;
 pub mod gpu;
 pub mod sweep;

@@ -1,0 +1,215 @@
+//! A Bevy app that renders off screen, for tests of whole pictures.
+
+use bevy::{
+    app::PluginsState,
+    camera::{Exposure, Hdr, RenderTarget},
+    core_pipeline::tonemapping::Tonemapping,
+    light::EnvironmentMapLight,
+    mesh::{
+        Indices, PrimitiveTopology, VertexAttributeValues,
+        skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
+    },
+    prelude::*,
+    render::{
+        RenderPlugin,
+        diagnostic::RenderDiagnosticsPlugin,
+        pipelined_rendering::PipelinedRenderingPlugin,
+        render_resource::{PollType, TextureFormat, TextureUsages},
+        renderer::RenderDevice,
+        view::screenshot::{Screenshot, ScreenshotCaptured},
+    },
+    time::TimeUpdateStrategy,
+    window::ExitCondition,
+    winit::WinitPlugin,
+};
+use bevy_plumage::prelude::*;
+use std::{
+    sync::{Arc, Mutex},
+    time::{Duration, Instant},
+};
+
+/// Side of the test pictures.
+pub const SIZE: u32 = 96;
+
+/// An app with an off-screen camera that looks along -z at the origin.
+pub struct Stage {
+    /// The app.
+    pub app: App,
+    image: Handle<Image>,
+    /// The camera.
+    pub camera: Entity,
+}
+
+impl Stage {
+    /// None without an adapter, with a word on stderr.
+    pub fn new() -> Option<Self> {
+        super::gpu::adapter_name()?;
+        let mut app = App::new();
+        app.add_plugins((
+            DefaultPlugins
+                .set(AssetPlugin {
+                    file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(),
+                    ..default()
+                })
+                .set(WindowPlugin {
+                    primary_window: None,
+                    exit_condition: ExitCondition::DontExit,
+                    ..default()
+                })
+                .set(RenderPlugin {
+                    synchronous_pipeline_compilation: true,
+                    ..default()
+                })
+                .disable::<WinitPlugin>()
+                .disable::<PipelinedRenderingPlugin>(),
+            RenderDiagnosticsPlugin,
+            PlumagePlugins,
+        ));
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(16)))
+            .insert_resource(ClearColor(Color::BLACK));
+        while app.plugins_state() == PluginsState::Adding {
+            bevy::tasks::tick_global_task_pools_on_main_thread();
+        }
+        app.finish();
+        app.cleanup();
+        let mut image =
+            Image::new_target_texture(SIZE, SIZE, TextureFormat::Rgba8UnormSrgb, None);
+        image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+        let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
+        let light = EnvironmentMapLight {
+            intensity: 1000.0,
+            ..EnvironmentMapLight::solid_color(
+                &mut app.world_mut().resource_mut::<Assets<Image>>(),
+                Color::WHITE,
+            )
+        };
+        let camera = app
+            .world_mut()
+            .spawn((
+                Camera3d::default(),
+                Hdr,
+                Msaa::Sample4,
+                Tonemapping::None,
+                Exposure { ev100: 9.7 },
+                RenderTarget::Image(image.clone().into()),
+                Transform::from_xyz(0.0, 0.0, 0.5).looking_at(Vec3::ZERO, Vec3::Y),
+                light,
+            ))
+            .id();
+        app.world_mut().spawn((
+            DirectionalLight {
+                illuminance: 2000.0,
+                shadow_maps_enabled: true,
+                ..default()
+            },
+            Transform::from_xyz(0.5, 1.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
+        ));
+        Some(Self { app, image, camera })
+    }
+
+    /// One frame, finished on the GPU; fails if the renderer has stopped.
+    pub fn frame(&mut self) {
+        self.app.update();
+        let _ = self
+            .app
+            .world()
+            .resource::<RenderDevice>()
+            .wgpu_device()
+            .poll(PollType::Wait {
+                submission_index: None,
+                timeout: None,
+            });
+        assert!(self.app.should_exit().is_none(), "the renderer stopped");
+    }
+
+    /// Frames until every bird is ready or has failed.
+    pub fn settle(&mut self) {
+        let start = Instant::now();
+        loop {
+            self.frame();
+            let mut states = self.app.world_mut().query::<&PlumageState>();
+            let done = states
+                .iter(self.app.world())
+                .all(|state| state.is_ready() || state.error.is_some());
+            if done && start.elapsed() > Duration::from_millis(300) {
+                break;
+            }
+            assert!(start.elapsed() < Duration::from_secs(60), "the groom never ended");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        for _ in 0..4 {
+            self.frame();
+        }
+    }
+
+    /// The picture of the next frame, linear RGB rows.
+    pub fn picture(&mut self) -> Vec<[f32; 3]> {
+        let got: Arc<Mutex<Option<Image>>> = Arc::default();
+        let keep = got.clone();
+        self.app
+            .world_mut()
+            .spawn(Screenshot::image(self.image.clone()))
+            .observe(move |shot: On<ScreenshotCaptured>| {
+                *keep.lock().unwrap() = Some(shot.image.clone());
+            });
+        for _ in 0..100 {
+            self.frame();
+            if let Some(image) = got.lock().unwrap().take() {
+                let pixel = |i: u32| {
+                    let color = image.get_color_at(i % SIZE, i / SIZE).unwrap().to_linear();
+                    [color.red, color.green, color.blue]
+                };
+                return (0..SIZE * SIZE).map(pixel).collect();
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        panic!("no picture came back");
+    }
+
+    /// A skinned square of 0.2 m facing the camera, on one joint.
+    pub fn spawn_skin(&mut self) -> Entity {
+        let n = 9u32;
+        let place = |i: u32| (i as f32 / (n - 1) as f32 - 0.5) * 0.2;
+        let positions: Vec<[f32; 3]> = (0..n * n)
+            .map(|i| [place(i % n), place(i / n), 0.0])
+            .collect();
+        let count = positions.len();
+        let mut indices = Vec::new();
+        for y in 0..n - 1 {
+            for x in 0..n - 1 {
+                let k = y * n + x;
+                indices.extend([k, k + 1, k + n + 1, k, k + n + 1, k + n]);
+            }
+        }
+        let mesh = Mesh::new(PrimitiveTopology::TriangleList, default())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+            .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; count])
+            .with_inserted_attribute(
+                Mesh::ATTRIBUTE_JOINT_INDEX,
+                VertexAttributeValues::Uint16x4(vec![[0; 4]; count]),
+            )
+            .with_inserted_attribute(
+                Mesh::ATTRIBUTE_JOINT_WEIGHT,
+                vec![[1.0, 0.0, 0.0, 0.0]; count],
+            )
+            .with_inserted_indices(Indices::U32(indices));
+        let world = self.app.world_mut();
+        let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
+        let inverse_bindposes = world
+            .resource_mut::<Assets<SkinnedMeshInverseBindposes>>()
+            .add(SkinnedMeshInverseBindposes::from(vec![Mat4::IDENTITY]));
+        let joint = world.spawn((Transform::IDENTITY, Name::new("joint"))).id();
+        world
+            .spawn((
+                Mesh3d(mesh),
+                Transform::IDENTITY,
+                Visibility::default(),
+                SkinnedMesh {
+                    inverse_bindposes,
+                    joints: vec![joint],
+                },
+            ))
+            .add_child(joint)
+            .id()
+    }
+}
