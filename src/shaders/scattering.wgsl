@@ -214,24 +214,24 @@ fn fresnel(cos_in: f32, eta: f32) -> f32 {
     return 0.5 * (s * s + p * p);
 }
 
-// Fresnel reflectances of an elliptic and of a round fibre at the heights h and -h of the silhouette.
-fn fibre_reflection_pair(h: f32, aspect: f32, eta: f32, cos_o: f32, azimuth: vec2<f32>, t: vec2<f32>) -> vec2<f32> {
-    let c = sqrt(1.0 - h * h);
+// Fresnel reflectances of an elliptic fibre at the heights h and -h of the silhouette (c = cos asin h), summed.
+fn fibre_reflection_pair(h: f32, c: f32, aspect: f32, eta: f32, cos_o: f32, azimuth: vec2<f32>, t: vec2<f32>) -> f32 {
     let upper = vec2<f32>(aspect * (t.x * c + t.y * h), t.y * c - t.x * h);
     let lower = vec2<f32>(aspect * (t.x * c - t.y * h), t.y * c + t.x * h);
     let cos_upper = dot(upper, azimuth) / sqrt(max(dot(upper, upper), 1e-12));
     let cos_lower = dot(lower, azimuth) / sqrt(max(dot(lower, lower), 1e-12));
-    return vec2<f32>(fresnel(cos_o * cos_upper, eta) + fresnel(cos_o * cos_lower, eta), 2.0 * fresnel(cos_o * c, eta));
+    return fresnel(cos_o * cos_upper, eta) + fresnel(cos_o * cos_lower, eta);
 }
 
-// Surface reflection of an elliptic fibre over that of a round one: less when seen broadside, more edge on.
+// Energy of R of an elliptic fibre: less than a round one's when seen broadside, more edge on. Gauss-Legendre in asin h.
 fn fibre_flat_reflection(aspect: f32, eta: f32, cos_o: f32, azimuth: vec2<f32>) -> f32 {
     let raw = vec2<f32>(aspect * azimuth.x, azimuth.y);
     let t = raw / sqrt(max(dot(raw, raw), 1e-12));
-    let sum = 0.4679139 * fibre_reflection_pair(0.2386192, aspect, eta, cos_o, azimuth, t)
-        + 0.3607616 * fibre_reflection_pair(0.6612094, aspect, eta, cos_o, azimuth, t)
-        + 0.1713245 * fibre_reflection_pair(0.9324695, aspect, eta, cos_o, azimuth, t);
-    return sum.x / sum.y;
+    let sum = 0.0099120276 * fibre_reflection_pair(0.9980552139, 0.0623361060, aspect, eta, cos_o, azimuth, t)
+        + 0.1096824713 * fibre_reflection_pair(0.9494253843, 0.3139927382, aspect, eta, cos_o, azimuth, t)
+        + 0.3341893961 * fibre_reflection_pair(0.7348899388, 0.6781863888, aspect, eta, cos_o, azimuth, t)
+        + 0.5462161049 * fibre_reflection_pair(0.2841679239, 0.9587745256, aspect, eta, cos_o, azimuth, t);
+    return min(0.5 * sum, 1.0);
 }
 
 fn fibre_stretch(aspect: f32, azimuth: vec2<f32>) -> f32 {
@@ -272,7 +272,7 @@ fn fibre_shading(
     s.energy_surface = row.energy.x;
     var entering = 1.0;
     if p.aspect < FIBRE_ROUND {
-        s.energy_surface = min(row.energy.x * fibre_flat_reflection(s.surface_aspect, p.eta, eye.cosine, eye.azimuth), 1.0);
+        s.energy_surface = fibre_flat_reflection(s.surface_aspect, p.eta, eye.cosine, eye.azimuth);
         entering = (1.0 - s.energy_surface) / max(1.0 - row.energy.x, 1e-6);
     }
     s.energy_through = row.energy.y * entering * gamma_transmittance(row.absorption.x, row.absorption.y, colour.absorption);
