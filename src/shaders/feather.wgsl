@@ -6,10 +6,12 @@
     feather_io::FeatherVertex,
     feather_lighting as light,
     feather_pattern::{hash, pattern_threshold},
-    query::{Footprint, RachisSplit, Vane, mask_vane, split_rachis, vane_coverage, vane_unpack},
+    masking::{mask_rachis, mask_vane},
+    query::{Footprint, split_rachis, vane_coverage},
     scattering::{
         FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreShading, fibre_energy_split, fibre_evaluate, fibre_local, fibre_parameters,
-        fibre_row_at, fibre_row_mix, fibre_shading, light_visibility,
+        fibre_albedo, fibre_row_at, fibre_row_mix, fibre_shading, light_visibility, multiple_scattering,
+        single_scattering_albedo,
     },
     sheen::{sheen_albedo, sheen_evaluate, sheen_place},
 }
@@ -17,6 +19,7 @@
 #import bevy_core_pipeline::oit::oit_draw
 #endif
 
+const PI: f32 = 3.14159265358979;
 const RACHIS: u32 = 0u;
 const BARB: u32 = 1u;
 const DISTAL: u32 = 2u;
@@ -58,7 +61,7 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape:
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
     let angles = feather_at(slot);
     let last = feather_at(slot + 2u);
-    let vane = vane_unpack(angles, feather_at(slot + 1u), last);
+    let vane = data::vane_unpack(angles, feather_at(slot + 1u), last);
     // The right vane is the left one mirrored.
     let side = select(1.0, -1.0, right);
     var mirrored = footprint;
@@ -83,7 +86,7 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape:
 fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u32) -> Covered {
     let rachis = rachis_at(base, in.uv.y);
     let canonical = canonical_footprint(in.uv, dpdx(in.uv), dpdy(in.uv), rachis.x, rachis.y, shape.x);
-    let split = split_rachis(Footprint(canonical.mean, canonical.cov), rachis.z);
+    let split = split_rachis(Footprint(canonical.mean, canonical.cov), mask_rachis(rachis.z, frame.local_eye));
     var covered: Covered;
     covered.right = split.right_mass > split.left_mass;
     // The shaft ends where the card does.
@@ -207,6 +210,7 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
     let opacity = dot(covered.weights, vec4(1.0));
     let sheen = sheen_at(base, sheen_place(abs(frame.local_eye.z)));
     let fuzz_albedo = sheen_albedo(sheen, fuzz.x);
+    let single = single_scattering_albedo(albedo, settings.multiple_scattering);
     let harmonics = select(8u, 3u, (in.card.w & 7u) == data::CARD_MEAN);
 
     // The part of the sky that the feathers above leave open grows towards the tip.
@@ -232,15 +236,18 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
                 continue;
             }
             let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x, frame);
-            let shading = shade_part(base, part, tangent, frame, albedo, shape.w, harmonics);
+            let shading = shade_part(base, part, tangent, frame, single, shape.w, harmonics);
+            let again = multiple_scattering(fibre_albedo(shading), settings.multiple_scattering);
+            let crowding = coverage_along_normal(base, part, covered.right);
             var radiance = vec3(0.0);
             for (var i = 0u; i < count; i++) {
-                radiance += batch[i].color * lit(shading, tangent, frame, batch[i].direction, weight);
+                radiance += batch[i].color * lit(shading, again, tangent, frame, batch[i].direction, crowding);
             }
             if (first == 0u) {
                 let energy = fibre_energy_split(shading);
                 let indirect = around.radiance * energy.specular + around.irradiance * energy.front + behind.irradiance * energy.back;
-                radiance += indirect * open;
+                let everywhere = 0.5 * (around.irradiance + behind.irradiance);
+                radiance += ((1.0 - settings.multiple_scattering) * indirect + again * everywhere) * open;
             }
             sum += weight * (1.0 - fuzz_albedo) * radiance;
         }
@@ -252,9 +259,24 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
     return max(sum, vec3(0.0)) * light::exposure();
 }
 
+// Width over period of a family of fibres, seen along the normal.
+fn coverage_along_normal(base: u32, part: u32, right: bool) -> f32 {
+    let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
+    let vane = data::vane_unpack(feather_at(slot), feather_at(slot + 1u), feather_at(slot + 2u));
+    let period = max(vane.d_bl * vane.sin_bl, 1e-9);
+    switch part {
+        case BARB: { return min(2.0 * vane.r_b / vane.p_b, 1.0); }
+        case DISTAL: { return min(2.0 * vane.r_bd / period, 1.0); }
+        case PROXIMAL: { return min(2.0 * vane.r_bp / period, 1.0); }
+        default: { return 1.0; }
+    }
+}
+
 // K of one component for one light, with the light's own view of the fibres (self-shadowing between neighbours).
-fn lit(shading: FibreShading, tangent: vec3<f32>, frame: Frame, direction: vec3<f32>, coverage: f32) -> vec3<f32> {
+// `again`: energy of light that has met other fibres before, spread evenly.
+fn lit(shading: FibreShading, again: vec3<f32>, tangent: vec3<f32>, frame: Frame, direction: vec3<f32>, coverage: f32) -> vec3<f32> {
     let local = fibre_local(tangent, frame.normal, direction);
     let cos_theta = sqrt(max(1.0 - local.x * local.x, 1e-6));
-    return fibre_evaluate(shading, local) * light_visibility(abs(dot(direction, frame.normal)), coverage, cos_theta);
+    let scattered = (1.0 - settings.multiple_scattering) * fibre_evaluate(shading, local) + again * cos_theta / (PI * PI);
+    return scattered * light_visibility(abs(dot(direction, frame.normal)), coverage, cos_theta);
 }

@@ -1,5 +1,6 @@
 // Layout of the packed feathers (twin of src/render/pack.rs). Offsets and counts are in vec4s.
 #define_import_path bevy_plumage::feather_data
+#import bevy_plumage::masking::Vane
 
 // Buffer header: (feather count, first fibre table, fibre table count, unused).
 const FEATHERS_BASE: u32 = 1u;
@@ -58,4 +59,9 @@ fn card_decode(a: vec4<u32>, b: vec4<u32>, c: vec4<u32>, d: vec4<u32>, e: vec4<u
     card.tint = e.y;
     card.seed = e.z;
     return card;
+}
+
+// The three vec4s of a vane.
+fn vane_unpack(angles: vec4<f32>, sizes: vec4<f32>, rest: vec4<f32>) -> Vane {
+    return Vane(sizes.x, sizes.y, angles.y, angles.x, angles.w, angles.z, sizes.z, sizes.w, rest.x);
 }

@@ -1,7 +1,8 @@
 // One thread per card: skin the root, cull, bound the pixel footprint over the card, choose the evaluator.
 #import bevy_render::view::View
 #import bevy_plumage::feather_data as data
-#import bevy_plumage::query::{Vane, vane_unpack, classify_bounds}
+#import bevy_plumage::masking::Vane
+#import bevy_plumage::query::{classify_bounds, threshold_of}
 
 struct LodParams {
     world_from_local: mat4x4<f32>,
@@ -51,7 +52,7 @@ fn outside(center: vec3<f32>, radius: f32) -> bool {
 
 fn feather_vane(base: u32, slot: u32) -> Vane {
     let last = arrayLength(&feathers) - 1u;
-    return vane_unpack(
+    return data::vane_unpack(
         feathers[min(base + slot, last)],
         feathers[min(base + slot + 1u, last)],
         feathers[min(base + slot + 2u, last)],

@@ -23,7 +23,7 @@ fn shadow_opacity(in: FeatherPrepassVertex) -> f32 {
     let right = footprint.mean.x > 0.0;
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
     let last = feather_at(slot + 2u);
-    let vane = vane_unpack(feather_at(slot), feather_at(slot + 1u), last);
+    let vane = data::vane_unpack(feather_at(slot), feather_at(slot + 1u), last);
     let root = barb_root(footprint.mean, last.w);
     if (root < shape.z) {
         return 0.0;
