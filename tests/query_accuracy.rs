@@ -17,7 +17,7 @@ fn report(name: &str, cases: &[Case]) -> [f64; 3] {
             let value = cell_coverage(&cell, &local, &budget).map(f64::from);
             let truth = reference::coverage(&case.cell, &case.local);
             let error = sweep::difference(value, truth);
-            if error > 0.02 {
+            if error > 0.013 {
                 eprintln!("{error:.4} {kind:?} {:?} {:?} {value:?} {truth:?}", case.cell, case.local);
             }
             (error, kind, case.scale, case.aspect)

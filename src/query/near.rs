@@ -77,12 +77,15 @@ fn widths<T: Real>(cell: &Cell<T>, local: &Local<T>, variance: T) -> Widths<T> {
 fn arc<T: Real>(x: T, y: T, hb: T, h_p: T, w: &Widths<T>, box_half: T) -> [T; 2] {
     let from_below = x - h_p + hb;
     let from_above = hb - x - h_p;
-    let low = smooth_positive(from_below, box_half) - hb;
-    let high = hb - smooth_positive(from_above, box_half);
-    let length = (high - low).max(T::zero());
-    // Where smoothing leaves next to nothing, a short arc around the middle stands for the density.
-    let half = (T::of(0.5) * (high - low)).max(T::of(0.005));
-    let middle = T::of(0.5) * (high + low);
+    let mut low = smooth_positive(from_below, box_half) - hb;
+    let mut high = hb - smooth_positive(from_above, box_half);
+    // An arc that appears inside the piece grows from the end of the complement that it touches first.
+    let length = smooth_positive(high - low, box_half).max(T::of(1e-6));
+    if x > T::zero() {
+        low = high - length;
+    } else {
+        high = low + length;
+    }
     let select = |d: T| {
         if d >= box_half {
             w.lower
@@ -92,9 +95,8 @@ fn arc<T: Real>(x: T, y: T, hb: T, h_p: T, w: &Widths<T>, box_half: T) -> [T; 2]
             w.both
         }
     };
-    let mass = staircase(middle + half - y, select(from_above))
-        - staircase(middle - half - y, select(from_below));
-    [mass * length / (half + half), length]
+    let mass = staircase(high - y, select(from_above)) - staircase(low - y, select(from_below));
+    [mass, length]
 }
 
 /// Phases of a piece: `[tau - upper centre, tau - lower centre, difference of the centres]`.
@@ -140,7 +142,7 @@ fn piece_coverage<T: Real>(
             - overlap_integral(x0 - box_half, cell.h_d, cell.h_p);
         let open = T::of(4.0) * cell.h_p * hb;
         let exact = open - s / (box_half + box_half);
-        mass = mass * clamp(exact, T::zero(), T::one()) / length.max(T::of(1e-4));
+        mass = mass * clamp(exact, T::zero(), T::one()) / length;
     }
     [upper, mass]
 }
