@@ -103,8 +103,8 @@ fn arc<T: Real>(x: T, y: T, hb: T, h_p: T, w: &Widths<T>, box_half: T) -> [T; 2]
 fn phases<T: Real>(cell: &Cell<T>, local: &Local<T>, k: T, u: T) -> [T; 2] {
     let along = local.tau + local.slope * (u - local.u);
     let v = u - k;
-    let upper = along - cell.kappa * v - k * cell.e0 - cell.s_d;
-    let lower = along - cell.kappa * (T::one() - v) - (k + T::one()) * cell.e0 - cell.s_p;
+    let upper = along - cell.kappa * v - k * cell.e_root - cell.s_d;
+    let lower = along - cell.kappa * (T::one() - v) - (k + T::one()) * cell.e_root - cell.s_p;
     [wrap(upper), wrap(lower)]
 }
 
@@ -166,7 +166,7 @@ pub fn near<T: Real>(cell: &Cell<T>, local: &Local<T>, quality: &Quality<T>) -> 
     let reach = quality.reach * sigma;
     let barb_width = width(local.variance);
     let open = clamp(
-        staircase(cell.v1 - local.u, barb_width) - staircase(cell.v0 - local.u, barb_width),
+        staircase(cell.v_high - local.u, barb_width) - staircase(cell.v_low - local.u, barb_width),
         zero,
         one,
     );
@@ -185,11 +185,11 @@ pub fn near<T: Real>(cell: &Cell<T>, local: &Local<T>, quality: &Quality<T>) -> 
         .cell_phase
         .min((quality.least_arc * hb.min(cell.h_p)).max(T::of(0.15)));
     // More cells than the loop may take are made coarser, not dropped.
-    let estimate = (reach + reach) * (cell.v1 - cell.v0).max(half) * climb / cell_phase;
+    let estimate = (reach + reach) * (cell.v_high - cell.v_low).max(half) * climb / cell_phase;
     cell_phase = cell_phase * (estimate * T::of(1.0 / 128.0)).max(one);
 
-    let first = (local.u - reach - cell.v1).ceil();
-    let last = (local.u + reach - cell.v0).floor();
+    let first = (local.u - reach - cell.v_high).ceil();
+    let last = (local.u + reach - cell.v_low).floor();
     let gaps = (last - first + one).to_i32().unwrap_or(0).min(MAX_GAPS);
     let mut total = zero;
     let mut upper = zero;
@@ -200,8 +200,8 @@ pub fn near<T: Real>(cell: &Cell<T>, local: &Local<T>, quality: &Quality<T>) -> 
     for _ in 0..gaps {
         let bottom = local.u - reach;
         let top = local.u + reach;
-        let low = bottom.max(k + cell.v0);
-        let high = top.min(k + cell.v1);
+        let low = bottom.max(k + cell.v_low);
+        let high = top.min(k + cell.v_high);
         let length = high - low;
         if length > zero {
             let uncut = low <= bottom && high >= top;
