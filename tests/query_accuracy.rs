@@ -17,8 +17,11 @@ fn report(name: &str, cases: &[Case]) -> [f64; 3] {
             let value = cell_coverage(&cell, &local, &budget).map(f64::from);
             let truth = reference::coverage(&case.cell, &case.local);
             let error = sweep::difference(value, truth);
-            if error > 0.02 {
-                eprintln!("{error:.4} {kind:?} {:?} {:?} {value:?} {truth:?}", case.cell, case.local);
+            if error > 0.013 {
+                eprintln!(
+                    "{error:.4} {kind:?} {:?} {:?} {value:?} {truth:?}",
+                    case.cell, case.local
+                );
             }
             (error, kind, case.scale, case.aspect)
         })
@@ -36,7 +39,10 @@ fn report(name: &str, cases: &[Case]) -> [f64; 3] {
         eprintln!("{name} scale {scale}: {n} cases, RMS {rms:.5}, P99 {p99:.5}, max {max:.5}");
     }
     let (n, all) = of(&|_| true);
-    eprintln!("{name}: {n} cases, RMS {:.5}, P99 {:.5}, max {:.5}", all[0], all[1], all[2]);
+    eprintln!(
+        "{name}: {n} cases, RMS {:.5}, P99 {:.5}, max {:.5}",
+        all[0], all[1], all[2]
+    );
     all
 }
 
@@ -44,12 +50,18 @@ fn report(name: &str, cases: &[Case]) -> [f64; 3] {
 fn unmasked_sweep() {
     let cases = sweep::cases(&mut Pcg64Mcg::seed_from_u64(101), 2400, false);
     let [rms, p99, max] = report("unmasked", &cases);
-    assert!(rms <= 0.001 && p99 <= 0.004 && max <= 0.03, "RMS {rms}, P99 {p99}, max {max}");
+    assert!(
+        rms <= 0.001 && p99 <= 0.004 && max <= 0.03,
+        "RMS {rms}, P99 {p99}, max {max}"
+    );
 }
 
 #[test]
 fn masked_sweep() {
     let cases = sweep::cases(&mut Pcg64Mcg::seed_from_u64(202), 2400, true);
     let [rms, p99, max] = report("masked", &cases);
-    assert!(rms <= 0.001 && p99 <= 0.004 && max <= 0.03, "RMS {rms}, P99 {p99}, max {max}");
+    assert!(
+        rms <= 0.001 && p99 <= 0.004 && max <= 0.03,
+        "RMS {rms}, P99 {p99}, max {max}"
+    );
 }

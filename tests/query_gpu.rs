@@ -1,18 +1,221 @@
 //! The shader twins of `query` agree with the Rust functions.
 mod common;
 
-use common::gpu;
+use bevy_plumage::query::{self, ErrorBudget, Footprint, Vane, math};
+use common::{gpu, sweep};
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+
+const FILES: [&str; 3] = ["query.wgsl", "masking.wgsl", "math.wgsl"];
+
+/// The text with the default budget's threshold as a constant.
+fn with_threshold(text: &str) -> String {
+    format!(
+        "{text}\nconst THRESHOLD: f32 = {:?};",
+        ErrorBudget::<f32>::default().threshold()
+    )
+}
 
 #[test]
-fn harness_runs() {
-    let text = "#import bevy_plumage::math::{error_function}
-        fn evaluate(i: u32) { output[i] = error_function(input[i]); }";
-    let input: Vec<f32> = (0..200).map(|i| (i as f32 - 100.0) * 0.05).collect();
-    let Some(result) = gpu::run(&["math.wgsl"], text, &input, 200, 200) else {
+fn functions_of_one_variable() {
+    let text = "#import bevy_plumage::math as m
+        fn evaluate(i: u32) {
+            let x = input[2u * i];
+            let v = input[2u * i + 1u];
+            let w = m::width(v);
+            let d = m::staircase_derivatives(x, w);
+            let values = array<f32, 9>(m::sine_turns(x), m::error_function(x), m::normal_distribution(x), m::staircase(x, w),
+                d.x, d.y, m::overlap(x, 0.3, 0.4), m::overlap_integral(x, 0.3, 0.4), m::overlap_second_integral(x, 0.3, 0.4));
+            for (var j = 0u; j < 9u; j++) { output[9u * i + j] = values[j]; }
+        }";
+    let mut input = Vec::new();
+    for i in 0..400 {
+        for v in [1e-4f32, 0.01, 0.0149, 0.05, 0.3, 0.5] {
+            input.extend([(i as f32 - 200.0) * 0.013, v]);
+        }
+    }
+    let count = input.len() / 2;
+    let Some(result) = gpu::run(&["math.wgsl"], text, &input, count, 9 * count) else {
         return;
     };
-    eprintln!("{:?}", gpu::adapter_name());
-    for (x, y) in input.iter().zip(&result) {
-        assert!((libm::erff(*x) - y).abs() < 1e-6, "erf({x}) = {y}");
+    for (pair, found) in input.chunks(2).zip(result.chunks(9)) {
+        let (x, v) = (pair[0], pair[1]);
+        let w = math::width(v);
+        let (first, second) = math::staircase_derivatives(x, w);
+        let wanted = [
+            math::sine_turns(x),
+            math::error_function(x),
+            math::normal_distribution(x),
+            math::staircase(x, w),
+            first,
+            second,
+            math::overlap(x, 0.3, 0.4),
+            math::overlap_integral(x, 0.3, 0.4),
+            math::overlap_second_integral(x, 0.3, 0.4),
+        ];
+        for (j, (a, b)) in wanted.iter().zip(found).enumerate() {
+            assert!(
+                (a - b).abs() <= 2e-6 * (1.0 + a.abs()) + 2e-6 / v.min(1.0),
+                "function {j} at {x}, {v}: {a} against {b}"
+            );
+        }
     }
+}
+
+#[test]
+fn coverage_in_cell_units() {
+    let text = "#import bevy_plumage::masking::{Cell}
+        #import bevy_plumage::query::{Local, cell_coverage, LOD_MIXED}
+        fn evaluate(i: u32) {
+            let a = 14u * i;
+            let cell = Cell(input[a], input[a + 1u], input[a + 2u], input[a + 3u], input[a + 4u], input[a + 5u], input[a + 6u],
+                input[a + 7u], input[a + 8u]);
+            let local = Local(input[a + 9u], input[a + 10u], input[a + 11u], input[a + 12u], input[a + 13u]);
+            let w = cell_coverage(cell, local, LOD_MIXED, THRESHOLD);
+            output[3u * i] = w.x;
+            output[3u * i + 1u] = w.y;
+            output[3u * i + 2u] = w.z;
+        }";
+    let mut random = Pcg64Mcg::seed_from_u64(7);
+    let mut cases = sweep::cases(&mut random, 2000, false);
+    cases.extend(sweep::cases(&mut random, 2000, true));
+    let mut input = Vec::new();
+    let mut wanted = Vec::new();
+    let budget = ErrorBudget::<f32>::default();
+    assert!((budget.threshold() - 0.2753).abs() < 1e-4);
+    for (i, case) in cases.iter().enumerate() {
+        let mut c = sweep::cell_f32(&case.cell);
+        c.side = if i % 3 == 0 { -1.0 } else { 1.0 };
+        let l = sweep::local_f32(&case.local);
+        input.extend([
+            c.kappa, c.e_root, c.v_low, c.v_high, c.h_d, c.h_p, c.s_d, c.s_p, c.side,
+        ]);
+        input.extend([l.u, l.tau, l.variance, l.slope, l.conditional]);
+        wanted.push(query::cell_coverage(&c, &l, &budget));
+    }
+    let Some(result) = gpu::run(
+        &FILES,
+        &with_threshold(text),
+        &input,
+        cases.len(),
+        3 * cases.len(),
+    ) else {
+        return;
+    };
+    let mut worst = 0f32;
+    let mut above = 0;
+    for (i, (a, b)) in wanted.iter().zip(result.chunks(3)).enumerate() {
+        let e = a
+            .iter()
+            .zip(b)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f32::max);
+        worst = worst.max(e);
+        if !(e <= 1e-4) {
+            above += 1;
+            eprintln!(
+                "{i}: {e} {a:?} {b:?} {:?} {:?}",
+                cases[i].cell, cases[i].local
+            );
+        }
+    }
+    eprintln!(
+        "{:?}: worst difference {worst}, {above} of {} above 1e-4",
+        gpu::adapter_name(),
+        cases.len()
+    );
+    assert!(above == 0, "{above} cases differ by more than 1e-4");
+}
+
+#[test]
+fn whole_query() {
+    let text = "#import bevy_plumage::masking::{Vane, mask_vane, mask_rachis}
+        #import bevy_plumage::query::{Footprint, vane_coverage, split_rachis, mirrored, classify_bounds, LOD_MIXED}
+        fn evaluate(i: u32) {
+            let a = 18u * i;
+            let vane = Vane(input[a], input[a + 1u], input[a + 2u], input[a + 3u], input[a + 4u], input[a + 5u], input[a + 6u],
+                input[a + 7u], input[a + 8u]);
+            let f = Footprint(vec2(input[a + 9u], input[a + 10u]), vec3(input[a + 11u], input[a + 12u], input[a + 13u]));
+            let view = vec3(input[a + 14u], input[a + 15u], input[a + 16u]);
+            let split = split_rachis(f, mask_rachis(input[a + 17u], view));
+            var w = vec4(split.rachis, 0.0, 0.0, 0.0);
+            if split.left_mass > 0.0 {
+                w += split.left_mass * vec4(0.0, vane_coverage(mask_vane(vane, view), vane, split.left, LOD_MIXED, THRESHOLD));
+            }
+            if split.right_mass > 0.0 {
+                let flipped = mask_vane(vane, view * vec3(-1.0, 1.0, 1.0));
+                w += split.right_mass * vec4(0.0, vane_coverage(flipped, vane, mirrored(split.right), LOD_MIXED, THRESHOLD));
+            }
+            output[5u * i] = w.x;
+            output[5u * i + 1u] = w.y;
+            output[5u * i + 2u] = w.z;
+            output[5u * i + 3u] = w.w;
+            output[5u * i + 4u] = f32(classify_bounds(vane, sqrt(input[a + 13u]), sqrt(input[a + 11u]), THRESHOLD));
+        }";
+    let mut random = Pcg64Mcg::seed_from_u64(11);
+    let mut input: Vec<f32> = Vec::new();
+    let mut wanted = Vec::new();
+    let budget = ErrorBudget::<f32>::default();
+    let count = 3000;
+    for _ in 0..count {
+        let mut between = |a: f64, b: f64| sweep::between(&mut random, a, b) as f32;
+        let v = Vane::<f32>::from_measures(
+            between(100.0, 600.0),
+            between(20.0, 70.0),
+            between(10.0, 40.0),
+            between(20.0, 60.0),
+            between(25.0, 60.0),
+            between(3.0, 12.0),
+            between(3.0, 12.0),
+            between(40.0, 200.0),
+        );
+        let major = between(-9.0, -3.0).exp();
+        let minor = major * between(0.06, 1.0);
+        let (sin, cos) = between(0.0, 3.14).sin_cos();
+        let (a, b) = (major * major, minor * minor);
+        let covariance = [
+            a * cos * cos + b * sin * sin,
+            (a - b) * sin * cos,
+            a * sin * sin + b * cos * cos,
+        ];
+        let f = Footprint {
+            mean: [between(-0.05, 0.05), between(0.0, 1.0)],
+            covariance,
+        };
+        let view = [between(-1.0, 1.0), between(-1.0, 1.0), between(-1.0, 1.0)];
+        let radius = between(0.0, 0.02);
+        input.extend([
+            v.p_b, v.d_bl, v.cos_b, v.sin_b, v.cos_bl, v.sin_bl, v.r_b, v.r_bd, v.r_bp,
+        ]);
+        input.extend(f.mean);
+        input.extend(f.covariance);
+        input.extend(view);
+        input.push(radius);
+        let c = query::feather_coverage(&v, &v, radius, &f, view, &budget);
+        let lod = query::classify_bounds(
+            &v,
+            covariance[2].sqrt(),
+            covariance[0].sqrt(),
+            budget.threshold(),
+        );
+        wanted.push([c.rachis, c.barb, c.distal, c.proximal, lod as u32 as f32]);
+    }
+    let Some(result) = gpu::run(&FILES, &with_threshold(text), &input, count, 5 * count) else {
+        return;
+    };
+    let mut errors = Vec::new();
+    for (i, (a, b)) in wanted.iter().zip(result.chunks(5)).enumerate() {
+        let e = a
+            .iter()
+            .zip(b)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f32::max);
+        if !(e <= 1e-3) {
+            eprintln!("{i}: {a:?} {b:?} {:?}", &input[18 * i..18 * i + 18]);
+        }
+        errors.push(f64::from(e));
+    }
+    let [rms, p99, max] = sweep::statistics(&errors);
+    eprintln!("whole query, CPU against GPU: RMS {rms:.2e}, P99 {p99:.2e}, max {max:.2e}");
+    assert!(p99 <= 1e-4 && max <= 1e-3, "P99 {p99}, max {max}");
 }

@@ -61,8 +61,8 @@ pub fn mask_vane<T: Real>(vane: &Vane<T>, view: [T; 3]) -> Cell<T> {
 
     let barb = mask_strip(vane.r_b, vane.r_b, view_s, n);
     let total = (barb[0] + barb[1]).max(vane.p_b);
-    let v0 = barb[1] / total;
-    let v1 = (one - barb[0] / total).max(v0);
+    let v_low = barb[1] / total;
+    let v_high = (one - barb[0] / total).max(v_low);
 
     // Normals of the barbules in (s, t): (cos, -sin) distal, (cos, sin) proximal. A shift along the distal normal
     // lowers tau, along the proximal one it raises it.
@@ -83,13 +83,13 @@ pub fn mask_vane<T: Real>(vane: &Vane<T>, view: [T; 3]) -> Cell<T> {
     let (h_p, shift_p) = strip_to_arc(proximal, p_bl);
     let ratio = vane.p_b / vane.d_bl;
     let kappa = (vane.cos_bl / vane.sin_bl * ratio).max(T::of(0.01));
-    let e0 = wrap(vane.cos_b / vane.sin_b * ratio);
+    let e_root = wrap(vane.cos_b / vane.sin_b * ratio);
     if n >= zero {
         Cell {
             kappa,
-            e0,
-            v0,
-            v1,
+            e_root,
+            v_low,
+            v_high,
             h_d,
             h_p,
             s_d: -shift_d,
@@ -99,9 +99,9 @@ pub fn mask_vane<T: Real>(vane: &Vane<T>, view: [T; 3]) -> Cell<T> {
     } else {
         Cell {
             kappa,
-            e0: -e0,
-            v0: one - v1,
-            v1: one - v0,
+            e_root: -e_root,
+            v_low: one - v_high,
+            v_high: one - v_low,
             h_d: h_p,
             h_p: h_d,
             s_d: shift_p,

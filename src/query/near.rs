@@ -77,12 +77,15 @@ fn widths<T: Real>(cell: &Cell<T>, local: &Local<T>, variance: T) -> Widths<T> {
 fn arc<T: Real>(x: T, y: T, hb: T, h_p: T, w: &Widths<T>, box_half: T) -> [T; 2] {
     let from_below = x - h_p + hb;
     let from_above = hb - x - h_p;
-    let low = smooth_positive(from_below, box_half) - hb;
-    let high = hb - smooth_positive(from_above, box_half);
-    let length = (high - low).max(T::zero());
-    // Where smoothing leaves next to nothing, a short arc around the middle stands for the density.
-    let half = (T::of(0.5) * (high - low)).max(T::of(0.005));
-    let middle = T::of(0.5) * (high + low);
+    let mut low = smooth_positive(from_below, box_half) - hb;
+    let mut high = hb - smooth_positive(from_above, box_half);
+    // An arc that appears inside the piece grows from the end of the complement that it touches first.
+    let length = smooth_positive(high - low, box_half).max(T::of(1e-6));
+    if x > T::zero() {
+        low = high - length;
+    } else {
+        high = low + length;
+    }
     let select = |d: T| {
         if d >= box_half {
             w.lower
@@ -92,17 +95,16 @@ fn arc<T: Real>(x: T, y: T, hb: T, h_p: T, w: &Widths<T>, box_half: T) -> [T; 2]
             w.both
         }
     };
-    let mass = staircase(middle + half - y, select(from_above))
-        - staircase(middle - half - y, select(from_below));
-    [mass * length / (half + half), length]
+    let mass = staircase(high - y, select(from_above)) - staircase(low - y, select(from_below));
+    [mass, length]
 }
 
 /// Phases of a piece: `[tau - upper centre, tau - lower centre, difference of the centres]`.
 fn phases<T: Real>(cell: &Cell<T>, local: &Local<T>, k: T, u: T) -> [T; 2] {
     let along = local.tau + local.slope * (u - local.u);
     let v = u - k;
-    let upper = along - cell.kappa * v - k * cell.e0 - cell.s_d;
-    let lower = along - cell.kappa * (T::one() - v) - (k + T::one()) * cell.e0 - cell.s_p;
+    let upper = along - cell.kappa * v - k * cell.e_root - cell.s_d;
+    let lower = along - cell.kappa * (T::one() - v) - (k + T::one()) * cell.e_root - cell.s_p;
     [wrap(upper), wrap(lower)]
 }
 
@@ -140,7 +142,7 @@ fn piece_coverage<T: Real>(
             - overlap_integral(x0 - box_half, cell.h_d, cell.h_p);
         let open = T::of(4.0) * cell.h_p * hb;
         let exact = open - s / (box_half + box_half);
-        mass = mass * clamp(exact, T::zero(), T::one()) / length.max(T::of(1e-4));
+        mass = mass * clamp(exact, T::zero(), T::one()) / length;
     }
     [upper, mass]
 }
@@ -164,7 +166,7 @@ pub fn near<T: Real>(cell: &Cell<T>, local: &Local<T>, quality: &Quality<T>) -> 
     let reach = quality.reach * sigma;
     let barb_width = width(local.variance);
     let open = clamp(
-        staircase(cell.v1 - local.u, barb_width) - staircase(cell.v0 - local.u, barb_width),
+        staircase(cell.v_high - local.u, barb_width) - staircase(cell.v_low - local.u, barb_width),
         zero,
         one,
     );
@@ -183,11 +185,11 @@ pub fn near<T: Real>(cell: &Cell<T>, local: &Local<T>, quality: &Quality<T>) -> 
         .cell_phase
         .min((quality.least_arc * hb.min(cell.h_p)).max(T::of(0.15)));
     // More cells than the loop may take are made coarser, not dropped.
-    let estimate = (reach + reach) * (cell.v1 - cell.v0).max(half) * climb / cell_phase;
+    let estimate = (reach + reach) * (cell.v_high - cell.v_low).max(half) * climb / cell_phase;
     cell_phase = cell_phase * (estimate * T::of(1.0 / 128.0)).max(one);
 
-    let first = (local.u - reach - cell.v1).ceil();
-    let last = (local.u + reach - cell.v0).floor();
+    let first = (local.u - reach - cell.v_high).ceil();
+    let last = (local.u + reach - cell.v_low).floor();
     let gaps = (last - first + one).to_i32().unwrap_or(0).min(MAX_GAPS);
     let mut total = zero;
     let mut upper = zero;
@@ -198,8 +200,8 @@ pub fn near<T: Real>(cell: &Cell<T>, local: &Local<T>, quality: &Quality<T>) -> 
     for _ in 0..gaps {
         let bottom = local.u - reach;
         let top = local.u + reach;
-        let low = bottom.max(k + cell.v0);
-        let high = top.min(k + cell.v1);
+        let low = bottom.max(k + cell.v_low);
+        let high = top.min(k + cell.v_high);
         let length = high - low;
         if length > zero {
             let uncut = low <= bottom && high >= top;

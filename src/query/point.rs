@@ -40,11 +40,11 @@ pub(crate) fn cell_point<T: Real>(cell: &Cell<T>, u: T, tau: T) -> PointHit<T> {
         component,
         offset: super::math::clamp(offset, -one, one),
     };
-    let lower_reach = one - cell.v1;
-    if u < cell.v0 || u > cell.v1 {
-        let from_barb = if u > cell.v1 { u - one } else { u };
-        let h = (half * (cell.v0 + lower_reach)).max(T::of(1e-9));
-        let centre = half * (cell.v0 - lower_reach);
+    let lower_reach = one - cell.v_high;
+    if u < cell.v_low || u > cell.v_high {
+        let from_barb = if u > cell.v_high { u - one } else { u };
+        let h = (half * (cell.v_low + lower_reach)).max(T::of(1e-9));
+        let centre = half * (cell.v_low - lower_reach);
         return hit(Component::Barb, cell.side * (from_barb - centre) / h);
     }
     let d = wrap(tau - cell.kappa * u - cell.s_d);
@@ -56,7 +56,7 @@ pub(crate) fn cell_point<T: Real>(cell: &Cell<T>, u: T, tau: T) -> PointHit<T> {
             hit(Component::Distal, -d / cell.h_d)
         };
     }
-    let p = wrap(tau - cell.kappa * (one - u) - cell.e0 - cell.s_p);
+    let p = wrap(tau - cell.kappa * (one - u) - cell.e_root - cell.s_p);
     if p.abs() < cell.h_p {
         return if back {
             hit(Component::Distal, -p / cell.h_p)

@@ -51,8 +51,8 @@ fn visible(a: f64, b: f64, upper: (f64, f64)) -> Vec<(f64, f64)> {
 
 /// Upper and visible lower share at a fixed height in gap `k`.
 fn slice(cell: &Cell<f64>, k: f64, u: f64, mean: f64, sigma: f64) -> [f64; 2] {
-    let upper = cell.kappa * (u - k) + k * cell.e0 + cell.s_d;
-    let lower = cell.kappa * (k + 1.0 - u) + (k + 1.0) * cell.e0 + cell.s_p;
+    let upper = cell.kappa * (u - k) + k * cell.e_root + cell.s_d;
+    let lower = cell.kappa * (k + 1.0 - u) + (k + 1.0) * cell.e_root + cell.s_p;
     let arc = (upper - cell.h_d, upper + cell.h_d);
     let w_upper = periodic_mass(arc.0, arc.1, mean, sigma);
     let w_lower = visible(lower - cell.h_p, lower + cell.h_p, arc)
@@ -79,7 +79,7 @@ pub fn coverage(cell: &Cell<f64>, local: &Local<f64>) -> [f64; 3] {
     let mut open = 0.0;
     for k in first..=last {
         let k = k as f64;
-        let (mut low, mut high) = (k + cell.v0, k + cell.v1);
+        let (mut low, mut high) = (k + cell.v_low, k + cell.v_high);
         if !flat {
             low = low.max(local.u - 7.0 * sigma_u);
             high = high.min(local.u + 7.0 * sigma_u);
@@ -90,7 +90,7 @@ pub fn coverage(cell: &Cell<f64>, local: &Local<f64>) -> [f64; 3] {
         // Heights at which the ends of two arcs pass each other.
         let mut cuts = vec![low, high];
         let difference =
-            |u: f64| cell.kappa * (2.0 * k + 1.0 - 2.0 * u) + cell.e0 + cell.s_p - cell.s_d;
+            |u: f64| cell.kappa * (2.0 * k + 1.0 - 2.0 * u) + cell.e_root + cell.s_p - cell.s_d;
         for offset in [
             cell.h_d - cell.h_p,
             cell.h_p - cell.h_d,
@@ -101,7 +101,8 @@ pub fn coverage(cell: &Cell<f64>, local: &Local<f64>) -> [f64; 3] {
             for j in a.ceil() as i64..=b.floor() as i64 {
                 cuts.push(
                     k + 0.5
-                        - (j as f64 + offset - cell.e0 - cell.s_p + cell.s_d) / (2.0 * cell.kappa),
+                        - (j as f64 + offset - cell.e_root - cell.s_p + cell.s_d)
+                            / (2.0 * cell.kappa),
                 );
             }
         }

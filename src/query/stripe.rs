@@ -11,13 +11,13 @@ use super::{
 /// where the teeth of the overlap are not resolved inside a gap; tends to [`super::mean`] by itself.
 pub fn stripe<T: Real>(cell: &Cell<T>, local: &Local<T>) -> [T; 3] {
     let w = width(local.variance);
-    let (a, b) = (cell.v0 - local.u, cell.v1 - local.u);
+    let (a, b) = (cell.v_low - local.u, cell.v_high - local.u);
     let open = staircase(b, w) - staircase(a, w);
     let (f_d, f_p) = (cell.h_d + cell.h_d, cell.h_p + cell.h_p);
     let (first1, second1) = staircase_derivatives(b, w);
     let (first0, second0) = staircase_derivatives(a, w);
-    let x1 = cell.phase_difference(cell.v1);
-    let x0 = cell.phase_difference(cell.v0);
+    let x1 = cell.phase_difference(cell.v_high);
+    let x0 = cell.phase_difference(cell.v_low);
     let edge = overlap_integral(x1, cell.h_d, cell.h_p) * first1
         - overlap_integral(x0, cell.h_d, cell.h_p) * first0;
     let slope = overlap_second_integral(x1, cell.h_d, cell.h_p) * second1

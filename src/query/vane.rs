@@ -83,19 +83,19 @@ impl<T: Real> Vane<T> {
 
 /// The pattern of a vane seen from one direction, in cell units: `u = s / p_b`, `tau = t / d_bl`.
 ///
-/// Gap `k` is `u` in `[k + v0, k + v1]`. In it the distal arcs on the circle of `tau` are centred at
-/// `kappa (u - k) + k e0 + s_d` with half width `h_d`, the proximal ones at `kappa (k + 1 - u) + (k + 1) e0 + s_p` with
-/// half width `h_p`. The pattern repeats under `(u + 1, tau + e0)` and `(u, tau + 1)`.
+/// Gap `k` is `u` in `[k + v_low, k + v_high]`. In it the distal arcs on the circle of `tau` are centred at
+/// `kappa (u - k) + k e_root + s_d` with half width `h_d`, the proximal ones at `kappa (k + 1 - u) + (k + 1) e_root + s_p` with
+/// half width `h_p`. The pattern repeats under `(u + 1, tau + e_root)` and `(u, tau + 1)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell<T> {
     /// `cot(alpha_bl) p_b / d_bl`: barbule periods that a barbule climbs across a barb period.
     pub kappa: T,
     /// Phase from one barb root to the next, in [-1/2, 1/2].
-    pub e0: T,
+    pub e_root: T,
     /// Lower end of the gap, in [0, 1].
-    pub v0: T,
-    /// Upper end of the gap, in [v0, 1].
-    pub v1: T,
+    pub v_low: T,
+    /// Upper end of the gap, in [v_low, 1].
+    pub v_high: T,
     /// Half width of the upper (distal, seen from the front) family, in [0, 1/2].
     pub h_d: T,
     /// Half width of the lower family.
@@ -117,7 +117,7 @@ impl<T: Real> Cell<T> {
 
     /// Phase difference of the lower and the upper family at `v = u - k`.
     pub fn phase_difference(&self, v: T) -> T {
-        self.kappa * (T::one() - v - v) + self.e0 + self.s_p - self.s_d
+        self.kappa * (T::one() - v - v) + self.e_root + self.s_p - self.s_d
     }
 }
 
@@ -149,7 +149,7 @@ pub fn reduce<T: Real>(cell: &Cell<T>, vane: &Vane<T>, footprint: &Footprint<T>)
     let rest = y - (y / spacing + T::of(0.5)).floor() * spacing;
     let across = (x * c + rest * s) / vane.p_b * cell.side;
     let k = across.floor();
-    let tau = wrap((rest * c - x * s) / vane.d_bl - k * cell.e0);
+    let tau = wrap((rest * c - x * s) / vane.d_bl - k * cell.e_root);
     let two = T::of(2.0);
     let var_s =
         (xx * c * c + two * xy * c * s + yy * s * s).max(T::of(super::footprint::LEAST_VARIANCE));
