@@ -101,7 +101,7 @@ fn draw(sheet: &mut image::RgbImage, feather: &Feather, back: bool, left: usize,
             let angle = vane.alpha_b();
             let root = map::barb_root(mean, angle);
             let (reach, slope) = contour(&table, side, root);
-            let hooked = map::hooked(mean[0].abs(), root, reach, vane.fringe, vane.downy);
+            let hooked = map::hooked(mean[0].abs(), mean[1], reach, vane.fringe, vane.downy);
             let outline = map::contour_coverage(mean, cov, reach, slope, angle)
                 * map::vane_start_coverage(mean, cov, table.start, angle);
             // A hint of the barbs, so that their direction can be judged.
