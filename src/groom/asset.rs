@@ -44,9 +44,10 @@ impl Span {
 }
 
 /// Which part of the skin a region is.
-#[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Reflect, Serialize, Deserialize)]
 pub enum Select {
     /// Everything.
+    #[default]
     All,
     /// Triangles whose `TEXCOORD_1.x`, rounded, is this tract number.
     Tract(u32),

@@ -1,1 +1,43 @@
 //! Coverage of a pixel footprint by rachis, barbs and barbules. Pure maths: no app, no GPU.
+//!
+//! A *footprint* ([`Footprint`]) is a Gaussian over the feather's canonical plane (unit: feather length, rachis on `x = 0`,
+//! tip at `+y`). The *range query* asks which share of it each visible component covers ([`Coverage`]):
+//!
+//! 1. [`mask_vane`] turns a [`Vane`] and a view direction into a [`Cell`], the vane's pattern in units of its own two periods.
+//! 2. [`reduce`] brings the footprint into that cell ([`Local`]).
+//! 3. [`choose`] picks an evaluator within an [`ErrorBudget`]: [`near`] resolves everything, [`stripe`] averages along the
+//!    barb, [`mean`] is a constant of the cell.
+//! 4. [`feather_coverage`] does all of it for both vanes and splits a footprint that lies across the rachis.
+//!
+//! Everything is generic over `f32` and `f64` and has a twin of the same name in `src/shaders/{math,masking,query}.wgsl`.
+//! The derivations, bounds and measurements are those of the range query study; equation numbers are those of
+//! Chen et al. 2026. [`reference`] judges the evaluators and shares no code with them.
+//!
+//! Conventions for the left vane (`x < 0`; the right one is its mirror image): barb normal `n_b = (cos a, sin a)`, barb
+//! direction `v_b = (-sin a, cos a)`, `s = n_b.x`, `t = v_b.x`; barb `k` leaves the rachis at `y = k / N_b`. In the gap above
+//! barb `k` the distal barbules hang on barb `k`, the proximal ones on barb `k + 1`. From the front, distal lies over proximal.
+
+mod choose;
+mod coverage;
+mod footprint;
+mod masking;
+pub mod math;
+mod mean;
+mod near;
+mod point;
+pub mod reference;
+mod stripe;
+mod vane;
+
+pub use choose::{ErrorBudget, Evaluator, Lod, Quality, choose, classify_bounds};
+pub use coverage::{
+    Coverage, RachisSplit, cell_coverage, feather_coverage, split_rachis, vane_coverage,
+};
+pub use footprint::Footprint;
+pub use masking::{mask_rachis, mask_strip, mask_vane};
+pub use math::Real;
+pub use mean::mean;
+pub use near::{MAX_CELLS, MAX_GAPS, near};
+pub use point::{Component, PointHit, feather_point_query, point_query};
+pub use stripe::stripe;
+pub use vane::{Cell, Local, Vane, reduce};

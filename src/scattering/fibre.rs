@@ -44,7 +44,11 @@ pub struct Fibre {
 impl Default for Fibre {
     fn default() -> Self {
         Self {
-            kind: FibreKind::Pigment { medulla_radius: 0.85, scattering: 2.0, anisotropy: 0.4 },
+            kind: FibreKind::Pigment {
+                medulla_radius: 0.85,
+                scattering: 2.0,
+                anisotropy: 0.4,
+            },
             eta: 1.55,
             longitudinal_roughness: 0.2,
             azimuthal_roughness: 0.4,
@@ -66,7 +70,10 @@ pub struct Sheen {
 
 impl Default for Sheen {
     fn default() -> Self {
-        Self { strength: 0.3, roughness: 0.5 }
+        Self {
+            strength: 0.3,
+            roughness: 0.5,
+        }
     }
 }
 

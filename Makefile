@@ -1,0 +1,46 @@
+# Every target does its own set-up. One build profile serves all of them, so that Bevy is compiled once.
+CARGO ?= cargo
+ARGS ?=
+
+.PHONY: help parrot eagle single test gallery bench docs birds feathers tables setup
+
+help:
+	@echo "make parrot | eagle | single   show the example (off screen without a display); ARGS='--camera closeup' passes options"
+	@echo "make test                      format, lints, tests, documentation, shaders"
+	@echo "make gallery                   all pictures of the README"
+	@echo "make bench | docs              benchmarks; API documentation"
+	@echo "make birds | feathers | tables bake the assets anew"
+
+setup:
+	@./scripts/setup.sh
+
+parrot eagle: setup
+	$(CARGO) run --example $@ -- $(ARGS)
+
+single: setup
+	$(CARGO) run --example single_feather -- $(ARGS)
+
+test: setup
+	$(CARGO) fmt --check
+	$(CARGO) clippy --all-targets -- -D warnings
+	$(CARGO) test
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --lib --examples
+
+gallery: setup
+	$(CARGO) build --examples
+	./scripts/gallery.sh
+
+bench: setup
+	$(CARGO) bench --profile dev
+
+docs: setup
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --lib --examples
+
+birds:
+	$(CARGO) run --example bake_birds
+
+feathers:
+	$(CARGO) run --example bake_feathers
+
+tables:
+	$(CARGO) run --example bake_tables

@@ -1,0 +1,117 @@
+//! A whole bird: skin, hard parts, skeleton.
+
+use std::collections::BTreeMap;
+
+use crate::body::Body;
+use crate::clip;
+use crate::nets;
+use crate::parts::{self, Primitive, Vertex};
+use crate::skeleton::Skeleton;
+use crate::species::{Species, linear};
+use crate::tract::{self, Tract};
+use crate::weights;
+
+/// A primitive with its material.
+pub struct Part {
+    /// Name of primitive and material.
+    pub name: &'static str,
+    /// Geometry.
+    pub primitive: Primitive,
+    /// Perceptual roughness, 0..1.
+    pub roughness: f32,
+    /// Carries tract numbers in `TEXCOORD_1`.
+    pub skin: bool,
+}
+
+/// Everything that goes into one glb.
+pub struct Model {
+    /// Skin first, then the hard parts.
+    pub parts: Vec<Part>,
+    /// Joints.
+    pub skeleton: Skeleton,
+    /// Edges of the skin that do not have exactly one opposite.
+    pub open_edges: usize,
+}
+
+/// Builds the bird.
+pub fn build(species: &Species) -> Model {
+    let body = Body::new(species);
+    let skeleton = Skeleton::new(species, &parts::toe_joints(species));
+    let mut surface = nets::polygonise(&body);
+    let plane = species.arcs.head_plane - 4.0;
+    // The big bird's cells are too coarse for its face.
+    if species.cell > 6.0 {
+        clip::refine(&body, &mut surface, |p| p.y > plane);
+    }
+    let tracts = clip::clip(&body, &mut surface);
+    let open_edges = open_edges(&surface.triangles);
+    let bindings = weights::bind(&body, &skeleton, &surface);
+    let normals: Vec<_> = surface.points.iter().map(|p| body.normal(*p)).collect();
+
+    // One tract per triangle; vertices on a border are doubled, so that tract and phi never interpolate across it.
+    let mut skin = Primitive::default();
+    let mut split: BTreeMap<(u32, Tract), u32> = BTreeMap::new();
+    for (t, &tract) in surface.triangles.iter().zip(&tracts) {
+        let triangle = t.map(|i| {
+            *split.entry((i, tract)).or_insert_with(|| {
+                let p = surface.points[i as usize];
+                let naked = matches!(tract, Tract::Bare | Tract::EyeRing);
+                let dark = if naked { 1.0 } else { 0.6 };
+                let shade = linear(tract::color(species.is_parrot(), tract))
+                    .map(|c: f32| c * srgb_factor(dark));
+                let phi = tract::phi(&body, tract, p);
+                skin.vertices.push(Vertex {
+                    position: p,
+                    normal: normals[i as usize],
+                    uv: [tract as u32 as f32 / 32.0, phi],
+                    tract: [tract as u32 as f32, phi],
+                    color: shade,
+                    binding: bindings[i as usize],
+                });
+                skin.vertices.len() as u32 - 1
+            })
+        });
+        skin.triangles.push(triangle);
+    }
+    let part = |name, primitive, roughness| Part {
+        name,
+        primitive,
+        roughness,
+        skin: false,
+    };
+    let parts = vec![
+        Part {
+            name: "skin",
+            primitive: skin,
+            roughness: 0.85,
+            skin: true,
+        },
+        part("bill", parts::bill(species, &skeleton), 0.38),
+        part("eyes", parts::eyes(species, &skeleton), 0.06),
+        part("lids", parts::lids(species, &skeleton), 0.6),
+        part("feet", parts::feet(species, &skeleton), 0.6),
+        part("claws", parts::claws(species, &skeleton), 0.35),
+    ];
+    Model {
+        parts,
+        skeleton,
+        open_edges,
+    }
+}
+
+/// Factor on linear light of a factor on sRGB values.
+fn srgb_factor(f: f32) -> f32 {
+    f.powf(2.2)
+}
+
+/// Directed edges that lack exactly one opposite.
+pub fn open_edges(triangles: &[[u32; 3]]) -> usize {
+    let mut edges: BTreeMap<(u32, u32), i32> = BTreeMap::new();
+    for t in triangles {
+        for i in 0..3 {
+            let (a, b) = (t[i], t[(i + 1) % 3]);
+            *edges.entry((a.min(b), a.max(b))).or_default() += if a < b { 1 } else { -1 };
+        }
+    }
+    edges.values().filter(|v| **v != 0).count()
+}

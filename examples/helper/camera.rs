@@ -1,0 +1,133 @@
+//! The camera of the examples: named shots, and the mouse in a window.
+
+use super::{Args, Shot, scene::Sky};
+use bevy::{
+    camera::{Exposure, Hdr, RenderTarget},
+    input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll},
+    prelude::*,
+};
+
+/// A shot: what it looks at and from where; the lens is the vertical field of view in degrees.
+#[derive(Clone, Copy, Debug)]
+pub struct Framing {
+    /// Point looked at.
+    pub target: Vec3,
+    /// Eye.
+    pub eye: Vec3,
+    /// Vertical field of view, degrees.
+    pub fov: f32,
+}
+
+/// The shots of one example.
+#[derive(Resource, Clone, Copy, Debug)]
+pub struct Shots {
+    /// Three-quarter front.
+    pub hero: Framing,
+    /// Barbs.
+    pub closeup: Framing,
+    /// Barbules.
+    pub macro_: Framing,
+    /// Everything, from the side.
+    pub full: Framing,
+    /// From behind.
+    pub back: Framing,
+    /// Far away.
+    pub far: Framing,
+}
+
+impl Shots {
+    fn framing(&self, shot: Shot) -> Framing {
+        match shot {
+            Shot::Hero => self.hero,
+            Shot::Closeup => self.closeup,
+            Shot::Macro => self.macro_,
+            Shot::Full | Shot::Orbit => self.full,
+            Shot::Back => self.back,
+            Shot::Far => self.far,
+        }
+    }
+}
+
+/// Image that the off-screen camera draws to.
+#[derive(Resource, Clone)]
+pub struct OffScreen(pub Handle<Image>);
+
+/// Spawns and moves the camera.
+pub struct CameraPlugin;
+
+impl Plugin for CameraPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Sky>()
+            .add_systems(Startup, spawn_camera)
+            .add_systems(Update, (orbit, turn_by_mouse));
+    }
+}
+
+#[derive(Component)]
+struct Orbit {
+    target: Vec3,
+}
+
+fn spawn_camera(
+    mut commands: Commands,
+    args: Res<Args>,
+    shots: Res<Shots>,
+    sky: Res<Sky>,
+    off_screen: Option<Res<OffScreen>>,
+) {
+    let framing = shots.framing(args.camera);
+    let eye = framing.target + (framing.eye - framing.target) * args.distance;
+    let mut camera = commands.spawn((
+        Camera3d::default(),
+        Hdr,
+        Msaa::Sample4,
+        Exposure { ev100: 11.4 },
+        Projection::Perspective(PerspectiveProjection {
+            fov: framing.fov.to_radians(),
+            near: 0.002,
+            ..default()
+        }),
+        Transform::from_translation(eye).looking_at(framing.target, Vec3::Y),
+        Orbit {
+            target: framing.target,
+        },
+        sky.bundle(),
+    ));
+    if let Some(image) = off_screen {
+        camera.insert(RenderTarget::Image(image.0.clone().into()));
+    }
+}
+
+fn orbit(args: Res<Args>, time: Res<Time>, mut cameras: Query<(&mut Transform, &Orbit)>) {
+    if args.camera != Shot::Orbit {
+        return;
+    }
+    for (mut transform, orbit) in &mut cameras {
+        transform.rotate_around(orbit.target, Quat::from_rotation_y(0.4 * time.delta_secs()));
+    }
+}
+
+/// Left button turns, wheel goes nearer.
+fn turn_by_mouse(
+    buttons: Option<Res<ButtonInput<MouseButton>>>,
+    motion: Option<Res<AccumulatedMouseMotion>>,
+    scroll: Option<Res<AccumulatedMouseScroll>>,
+    mut cameras: Query<(&mut Transform, &Orbit)>,
+) {
+    let (Some(buttons), Some(motion), Some(scroll)) = (buttons, motion, scroll) else {
+        return;
+    };
+    for (mut transform, orbit) in &mut cameras {
+        if buttons.pressed(MouseButton::Left) {
+            let right = transform.right();
+            let turn = Quat::from_rotation_y(-motion.delta.x * 0.006)
+                * Quat::from_axis_angle(*right, -motion.delta.y * 0.006);
+            transform.rotate_around(orbit.target, turn);
+            transform.look_at(orbit.target, Vec3::Y);
+        }
+        if scroll.delta.y != 0.0 {
+            let offset = transform.translation - orbit.target;
+            transform.translation = orbit.target + offset * 0.9f32.powf(scroll.delta.y);
+        }
+    }
+}

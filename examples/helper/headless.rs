@@ -1,0 +1,154 @@
+//! Off-screen rendering: loads, warms up, renders, writes the picture and the statistics.
+
+use super::{Args, camera::OffScreen, stats};
+use bevy::{
+    app::PluginsState,
+    prelude::*,
+    render::{
+        render_resource::{PollType, TextureFormat, TextureUsages},
+        renderer::RenderDevice,
+        view::screenshot::{Screenshot, ScreenshotCaptured},
+    },
+};
+use bevy_plumage::prelude::*;
+use std::{
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex},
+    time::{Duration, Instant},
+};
+
+/// Longest wait for assets and grooms.
+const LOAD_TIMEOUT: Duration = Duration::from_secs(120);
+/// Frames before the first measured one: pipelines compile, shadow maps fill, buffers settle.
+const WARM_UP: u32 = 4;
+
+/// Whether any driver offers an adapter.
+pub fn adapter_exists() -> bool {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    !pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY)).is_empty()
+}
+
+/// Runs `app` to its picture and leaves the process.
+pub fn run(mut app: App, name: &str, args: &Args) {
+    while app.plugins_state() == PluginsState::Adding {
+        bevy::tasks::tick_global_task_pools_on_main_thread();
+    }
+    app.finish();
+    app.cleanup();
+    let image = target(&mut app, args.size);
+    app.insert_resource(OffScreen(image.clone()));
+    load(&mut app, name);
+    println!("{name}: rendering {} frames", args.frames.max(1));
+    for _ in 0..WARM_UP {
+        frame(&mut app);
+    }
+    let mut times = Vec::new();
+    for _ in 0..args.frames.max(1) {
+        times.push(frame(&mut app));
+    }
+    let output = args
+        .output
+        .clone()
+        .unwrap_or_else(|| PathBuf::from(format!("{name}.png")));
+    match capture(&mut app, image, &output) {
+        Ok(()) => println!("{name}: wrote {}", shown(&output)),
+        Err(error) => {
+            eprintln!("{name}: {}: {error}", shown(&output));
+            std::process::exit(1);
+        }
+    }
+    let stats = stats::collect(&mut app, &mut times);
+    println!("{name}: {stats:#}");
+    if let Some(path) = &args.stats
+        && let Err(error) = std::fs::write(path, format!("{stats:#}\n"))
+    {
+        eprintln!("{name}: {}: {error}", shown(path));
+        std::process::exit(1);
+    }
+    if let Some(exit) = app.should_exit() {
+        eprintln!("{name}: the renderer stopped: {exit:?}");
+        std::process::exit(1);
+    }
+    // Leaves without tearing the app down: nothing is left to save.
+    std::process::exit(0);
+}
+
+fn shown(path: &Path) -> String {
+    std::fs::canonicalize(path)
+        .unwrap_or_else(|_| path.to_path_buf())
+        .display()
+        .to_string()
+}
+
+fn target(app: &mut App, (width, height): (u32, u32)) -> Handle<Image> {
+    let mut image =
+        Image::new_target_texture(width, height, TextureFormat::Rgba8UnormSrgb, None);
+    image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+    app.world_mut().resource_mut::<Assets<Image>>().add(image)
+}
+
+/// One frame and the time until the GPU is done with it.
+fn frame(app: &mut App) -> Duration {
+    let start = Instant::now();
+    app.update();
+    let _ = app
+        .world()
+        .resource::<RenderDevice>()
+        .wgpu_device()
+        .poll(PollType::Wait {
+            submission_index: None,
+            timeout: None,
+        });
+    start.elapsed()
+}
+
+/// Updates until every plumage is ready (or has failed), with progress.
+fn load(app: &mut App, name: &str) {
+    let start = Instant::now();
+    let mut shown = String::new();
+    while start.elapsed() < LOAD_TIMEOUT {
+        app.update();
+        let mut states = app.world_mut().query::<&PlumageState>();
+        let (mut all, mut ready, mut failed) = (0, 0, 0);
+        for state in states.iter(app.world()) {
+            all += 1;
+            ready += u32::from(state.is_ready());
+            failed += u32::from(state.error.is_some());
+        }
+        let text = format!("{name}: {ready} of {all} birds feathered");
+        if text != shown {
+            println!("{text}");
+            shown = text;
+        }
+        if all == ready + failed && app.should_exit().is_none() && start.elapsed().as_millis() > 200 {
+            return;
+        }
+        if app.should_exit().is_some() {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    eprintln!("{name}: not everything was loaded within {LOAD_TIMEOUT:?}");
+}
+
+fn capture(app: &mut App, image: Handle<Image>, path: &Path) -> Result<(), String> {
+    let got: Arc<Mutex<Option<Image>>> = Arc::default();
+    let keep = got.clone();
+    app.world_mut()
+        .spawn(Screenshot::image(image))
+        .observe(move |shot: On<ScreenshotCaptured>| {
+            if let Ok(mut slot) = keep.lock() {
+                *slot = Some(shot.image.clone());
+            }
+        });
+    for _ in 0..100 {
+        frame(app);
+        let taken = got.lock().ok().and_then(|mut slot| slot.take());
+        if let Some(image) = taken {
+            let picture = image.try_into_dynamic().map_err(|e| e.to_string())?;
+            return picture.to_rgb8().save(path).map_err(|e| e.to_string());
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    Err("the picture did not come back from the GPU".into())
+}

@@ -1,0 +1,193 @@
+//! One command line, one light and one headless loop for all examples.
+#![allow(dead_code, reason = "every example uses its own part")]
+
+pub mod camera;
+pub mod headless;
+pub mod scene;
+pub mod sky;
+pub mod stats;
+
+use bevy::{
+    pbr::DefaultOpaqueRendererMethod,
+    prelude::*,
+    render::{RenderPlugin, diagnostic::RenderDiagnosticsPlugin, pipelined_rendering::PipelinedRenderingPlugin},
+    time::TimeUpdateStrategy,
+    window::ExitCondition,
+    winit::WinitPlugin,
+};
+use bevy_plumage::prelude::*;
+use clap::{Parser, ValueEnum};
+use std::{path::PathBuf, time::Duration};
+
+/// Where the camera stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Shot {
+    /// Three-quarter front view of the whole subject.
+    #[default]
+    Hero,
+    /// A hand's width away: barbs.
+    Closeup,
+    /// Closer still: barbules.
+    Macro,
+    /// From the side, everything in the picture.
+    Full,
+    /// From behind.
+    Back,
+    /// From far away.
+    Far,
+    /// Circles the subject.
+    Orbit,
+}
+
+/// What is drawn instead of the shaded feathers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum View {
+    /// Shaded.
+    #[default]
+    Shaded,
+    /// Coverage of rachis and barbs, distal, proximal barbules.
+    Coverage,
+    /// LOD class.
+    Lod,
+    /// A colour per card.
+    Card,
+    /// Layer of the card.
+    Layer,
+    /// Normal of the card.
+    Normal,
+}
+
+impl From<View> for DebugView {
+    fn from(view: View) -> Self {
+        match view {
+            View::Shaded => Self::None,
+            View::Coverage => Self::Coverage,
+            View::Lod => Self::Lod,
+            View::Card => Self::Card,
+            View::Layer => Self::Layer,
+            View::Normal => Self::Normal,
+        }
+    }
+}
+
+/// The command line of every example.
+#[derive(Parser, Resource, Clone, Debug)]
+pub struct Args {
+    /// Render off screen even if there is a display.
+    #[arg(long)]
+    pub headless: bool,
+    /// Size of the picture.
+    #[arg(long, default_value = "960x540", value_parser = parse_size)]
+    pub size: (u32, u32),
+    /// Where the camera stands.
+    #[arg(long, value_enum, default_value_t)]
+    pub camera: Shot,
+    /// Freeze the animation at this time, seconds.
+    #[arg(long)]
+    pub time: Option<f32>,
+    /// Frames to render once everything is loaded (headless).
+    #[arg(long, default_value_t = 4)]
+    pub frames: u32,
+    /// Picture to write (headless).
+    #[arg(long)]
+    pub output: Option<PathBuf>,
+    /// Statistics to write as JSON (headless).
+    #[arg(long)]
+    pub stats: Option<PathBuf>,
+    /// Feathers relative to the groom's own number; the example's choice when absent.
+    #[arg(long)]
+    pub density: Option<f32>,
+    /// Seed of the groom.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// What is drawn.
+    #[arg(long, value_enum, default_value_t)]
+    pub view: View,
+    /// Feather shown by `single_feather`.
+    #[arg(long, default_value = "macaw_primary")]
+    pub feather: String,
+    /// Camera distance relative to the shot's own.
+    #[arg(long, default_value_t = 1.0)]
+    pub distance: f32,
+}
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let (w, h) = text
+        .split_once('x')
+        .ok_or_else(|| format!("`{text}` is not WIDTHxHEIGHT"))?;
+    let side = |s: &str| {
+        s.parse::<u32>()
+            .ok()
+            .filter(|v| (16..=8192).contains(v))
+            .ok_or_else(|| format!("`{s}`: a side is 16 to 8192 pixels"))
+    };
+    Ok((side(w)?, side(h)?))
+}
+
+impl Args {
+    /// Whether there is no screen to show a window on, or none is wanted.
+    pub fn off_screen(&self) -> bool {
+        let no_display = cfg!(target_os = "linux")
+            && std::env::var_os("DISPLAY").is_none()
+            && std::env::var_os("WAYLAND_DISPLAY").is_none();
+        self.headless || no_display
+    }
+}
+
+/// Builds the app around `scene` and runs it, in a window or off screen. `name` names the window and the default picture.
+pub fn run(name: &'static str, scene: fn(&mut App)) {
+    let args = Args::parse();
+    if !headless::adapter_exists() {
+        eprintln!(
+            "{name}: no graphics adapter found. Install a Vulkan driver (on Debian or Ubuntu: `apt-get install \
+             mesa-vulkan-drivers libvulkan1`), then try again."
+        );
+        std::process::exit(1);
+    }
+    let off_screen = args.off_screen();
+    let mut app = App::new();
+    let plugins = DefaultPlugins
+        .set(AssetPlugin {
+            file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(),
+            ..default()
+        })
+        .set(RenderPlugin {
+            synchronous_pipeline_compilation: off_screen,
+            ..default()
+        })
+        .set(WindowPlugin {
+            primary_window: (!off_screen).then(|| Window {
+                title: format!("bevy_plumage: {name}"),
+                resolution: args.size.into(),
+                ..default()
+            }),
+            exit_condition: if off_screen {
+                ExitCondition::DontExit
+            } else {
+                ExitCondition::OnAllClosed
+            },
+            ..default()
+        });
+    if off_screen {
+        app.add_plugins(
+            plugins
+                .disable::<WinitPlugin>()
+                .disable::<PipelinedRenderingPlugin>(),
+        )
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(
+            1.0 / 30.0,
+        )));
+    } else {
+        app.add_plugins(plugins);
+    }
+    app.insert_resource(args.clone())
+        .insert_resource(DefaultOpaqueRendererMethod::forward())
+        .insert_resource(ClearColor(Color::srgb(0.72, 0.76, 0.80)))
+        .add_plugins((RenderDiagnosticsPlugin, PlumagePlugins, scene::ScenePlugin, camera::CameraPlugin));
+    scene(&mut app);
+    if off_screen {
+        headless::run(app, name, &args);
+    } else {
+        app.run();
+    }
+}

@@ -1,0 +1,167 @@
+//! Light, background, and the bird on its perch.
+
+use super::{Args, sky};
+use bevy::{
+    core_pipeline::tonemapping::Tonemapping,
+    gltf::GltfAssetLabel,
+    light::{CascadeShadowConfigBuilder, EnvironmentMapLight, Skybox},
+    prelude::*,
+    world_serialization::{WorldAssetRoot, WorldInstanceReady},
+};
+use bevy_plumage::prelude::*;
+
+/// Sun, sky, and the animation of the birds.
+pub struct ScenePlugin;
+
+impl Plugin for ScenePlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Startup, spawn_light)
+            .add_observer(start_idle);
+    }
+}
+
+/// The idle clip of a bird.
+#[derive(Component, Clone)]
+pub struct Idle(pub Handle<AnimationClip>, pub f32);
+
+/// The sky, for the camera.
+#[derive(Resource, Clone)]
+pub struct Sky {
+    /// Background and reflections.
+    pub specular: Handle<Image>,
+    /// Irradiance.
+    pub diffuse: Handle<Image>,
+}
+
+impl FromWorld for Sky {
+    fn from_world(world: &mut World) -> Self {
+        let (specular, diffuse) = sky::maps();
+        let mut images = world.resource_mut::<Assets<Image>>();
+        Self {
+            specular: images.add(specular),
+            diffuse: images.add(diffuse),
+        }
+    }
+}
+
+impl Sky {
+    /// What the camera wears to see and be lit by the sky.
+    pub fn bundle(&self) -> impl Bundle {
+        (
+            Tonemapping::AcesFitted,
+            EnvironmentMapLight {
+                diffuse_map: self.diffuse.clone(),
+                specular_map: self.specular.clone(),
+                intensity: 2600.0,
+                ..default()
+            },
+            Skybox {
+                image: Some(self.specular.clone()),
+                brightness: 1800.0,
+                ..default()
+            },
+        )
+    }
+}
+
+fn spawn_light(mut commands: Commands) {
+    commands.spawn((
+        DirectionalLight {
+            illuminance: 11_000.0,
+            color: Color::srgb(1.0, 0.95, 0.87),
+            shadow_maps_enabled: true,
+            shadow_normal_bias: 0.6,
+            ..default()
+        },
+        CascadeShadowConfigBuilder {
+            num_cascades: 2,
+            first_cascade_far_bound: 2.0,
+            maximum_distance: 8.0,
+            ..default()
+        }
+        .build(),
+        Transform::from_xyz(1.6, 2.4, 1.4).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
+}
+
+/// A bird from `assets/birds/NAME.glb` with the groom of the same name.
+pub fn spawn_bird(
+    commands: &mut Commands,
+    assets: &AssetServer,
+    args: &Args,
+    name: &str,
+    density: f32,
+    seed: u64,
+    phase: f32,
+    transform: Transform,
+) -> Entity {
+    let file = format!("birds/{name}.glb");
+    commands
+        .spawn((
+            WorldAssetRoot(assets.load(GltfAssetLabel::Scene(0).from_asset(file.clone()))),
+            Plumage::new(assets.load(format!("grooms/{name}.groom.ron")))
+                .with_seed(seed)
+                .with_density(density),
+            FeatherQuality {
+                settings: FeatherSettings {
+                    debug_view: args.view.into(),
+                    ..default()
+                },
+                ..default()
+            },
+            Idle(assets.load(GltfAssetLabel::Animation(0).from_asset(file)), phase),
+            transform,
+        ))
+        .id()
+}
+
+/// A branch to sit on: along x through `height` below the feet's origin.
+pub fn spawn_perch(
+    commands: &mut Commands,
+    meshes: &mut Assets<Mesh>,
+    materials: &mut Assets<StandardMaterial>,
+    radius: f32,
+    length: f32,
+    center: Vec3,
+) {
+    commands.spawn((
+        Mesh3d(meshes.add(Capsule3d::new(radius, length))),
+        MeshMaterial3d(materials.add(StandardMaterial {
+            base_color: Color::srgb(0.33, 0.25, 0.17),
+            perceptual_roughness: 0.9,
+            ..default()
+        })),
+        Transform::from_translation(center - Vec3::Y * radius)
+            .with_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2)),
+    ));
+}
+
+/// Plays the idle clip once the bird's scene is there; `--time` freezes it.
+fn start_idle(
+    ready: On<WorldInstanceReady>,
+    args: Res<Args>,
+    idles: Query<&Idle>,
+    children: Query<&Children>,
+    mut players: Query<&mut AnimationPlayer>,
+    mut graphs: ResMut<Assets<AnimationGraph>>,
+    mut commands: Commands,
+) {
+    let root = ready.entity;
+    let Ok(idle) = idles.get(root) else {
+        return;
+    };
+    for entity in children.iter_descendants(root) {
+        let Ok(mut player) = players.get_mut(entity) else {
+            continue;
+        };
+        let (graph, node) = AnimationGraph::from_clip(idle.0.clone());
+        commands
+            .entity(entity)
+            .insert(AnimationGraphHandle(graphs.add(graph)));
+        let active = player.play(node).repeat();
+        match args.time {
+            Some(time) => active.seek_to(time + idle.1).pause(),
+            None => active.seek_to(idle.1),
+        };
+    }
+}

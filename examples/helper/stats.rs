@@ -1,0 +1,58 @@
+//! The statistics an example writes.
+
+use bevy::{diagnostic::DiagnosticsStore, prelude::*, render::renderer::RenderAdapterInfo};
+use bevy_plumage::prelude::*;
+use serde_json::{Map, Value, json};
+use std::time::Duration;
+
+/// Collects everything the run has measured.
+pub fn collect(app: &mut App, times: &mut [Duration]) -> Value {
+    times.sort_unstable();
+    let median = times.get(times.len() / 2).copied().unwrap_or_default();
+    let mut feathers = 0;
+    let mut groom_ms: f64 = 0.0;
+    let mut errors = Vec::new();
+    let mut states = app.world_mut().query::<&PlumageState>();
+    for state in states.iter(app.world()) {
+        feathers += state.cards;
+        groom_ms += f64::from(state.groom_ms);
+        errors.extend(state.error.clone());
+    }
+    let store = app.world().resource::<DiagnosticsStore>();
+    let value = |path: String| {
+        store
+            .iter()
+            .find(|d| d.path().as_str() == path)
+            .and_then(bevy::diagnostic::Diagnostic::value)
+    };
+    let cards: Map<String, Value> = CARD_COUNTERS
+        .iter()
+        .map(|name| {
+            let count = value(format!("render/feather_cards_{name}")).unwrap_or(0.0);
+            ((*name).into(), json!(count as u64))
+        })
+        .collect();
+    let passes: Map<String, Value> = store
+        .iter()
+        .filter_map(|d| {
+            let name = d
+                .path()
+                .as_str()
+                .strip_prefix("render/")?
+                .strip_suffix("/elapsed_gpu")?;
+            Some((name.to_owned(), json!(d.average()?)))
+        })
+        .collect();
+    let adapter = app.world().resource::<RenderAdapterInfo>();
+    json!({
+        "feathers": feathers,
+        "cards": cards,
+        "gpu_bytes": app.world().resource::<PlumageMemory>().total(),
+        "groom_ms": groom_ms,
+        "frame_ms": median.as_secs_f64() * 1e3,
+        "passes": passes,
+        "adapter": adapter.name,
+        "backend": format!("{:?}", adapter.backend),
+        "errors": errors,
+    })
+}

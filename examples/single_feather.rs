@@ -1,0 +1,136 @@
+//! One feather on a card of its own: no bird, no groom. `--feather NAME` takes any file of `assets/feathers`.
+
+mod helper;
+
+use bevy::{
+    asset::RenderAssetUsages,
+    mesh::{Indices, PrimitiveTopology},
+    prelude::*,
+};
+use bevy_plumage::{
+    groom::{Card, PlumageCards},
+    prelude::*,
+};
+use helper::{
+    Args,
+    camera::{Framing, Shots},
+};
+
+fn main() {
+    helper::run("single_feather", |app| {
+        app.insert_resource(Shots {
+            hero: shot(Vec3::new(0.0, 0.155, 0.0), Vec3::new(0.10, 0.05, 0.80)),
+            closeup: shot(Vec3::new(0.004, 0.16, 0.0), Vec3::new(0.012, 0.15, 0.055)),
+            macro_: shot(Vec3::new(0.006, 0.16, 0.0), Vec3::new(0.0065, 0.1595, 0.0075)),
+            full: shot(Vec3::new(0.0, 0.155, 0.0), Vec3::new(0.0, 0.155, 0.85)),
+            back: shot(Vec3::new(0.0, 0.155, 0.0), Vec3::new(-0.15, 0.2, -0.80)),
+            far: shot(Vec3::new(0.0, 0.155, 0.0), Vec3::new(1.0, 1.0, 8.0)),
+        })
+        .add_systems(Startup, load)
+        .add_systems(Update, spawn);
+    });
+}
+
+fn shot(target: Vec3, eye: Vec3) -> Framing {
+    Framing {
+        target,
+        eye,
+        fov: 24.0,
+    }
+}
+
+/// The feather that is still loading.
+#[derive(Component)]
+struct Waiting(Handle<Feather>);
+
+fn load(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
+    let feather = assets.load(format!("feathers/{}.feather.ron", args.feather));
+    commands.spawn((Waiting(feather), Transform::IDENTITY, Visibility::default()));
+}
+
+/// Spawns the card once the feather's size is known.
+fn spawn(
+    mut commands: Commands,
+    waiting: Query<(Entity, &Waiting)>,
+    feathers: Res<Assets<Feather>>,
+    args: Res<Args>,
+    mut meshes: ResMut<Assets<Mesh>>,
+) {
+    for (entity, Waiting(handle)) in &waiting {
+        let Some(feather) = feathers.get(handle) else {
+            continue;
+        };
+        // Every feather is shown as long as a primary, so that the shots fit.
+        let length = 0.31;
+        let width = length * feather.aspect;
+        let mut quality = FeatherQuality::default();
+        quality.settings.debug_view = args.view.into();
+        commands
+            .entity(entity)
+            .remove::<Waiting>()
+            .insert((
+                Mesh3d(meshes.add(card_mesh(length, width))),
+                quality,
+                PlumageCards {
+                    cards: [card(length, width)].into(),
+                    groom: Handle::default(),
+                    feathers: vec![handle.clone()],
+                    owner: entity,
+                },
+            ));
+    }
+}
+
+fn card(length: f32, width: f32) -> Card {
+    Card {
+        root: Vec3::ZERO,
+        along: Vec3::Y,
+        normal: Vec3::Z,
+        center: Vec3::Y * 0.5 * length,
+        radius: 0.5 * length.hypot(width) * 1.1,
+        length,
+        width,
+        joints: [0; 4],
+        weights: [1.0, 0.0, 0.0, 0.0],
+        feather: 0,
+        region: 0,
+        layer: 0.0,
+        tint: [0.60, 0.03, 0.02],
+        seed: 1,
+        mirrored: false,
+    }
+}
+
+/// A gently bent strip of 24 quads with the attributes that feather cards carry.
+fn card_mesh(length: f32, width: f32) -> Mesh {
+    const SEGMENTS: u32 = 24;
+    let (mut positions, mut normals, mut tangents) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut uvs, mut ids, mut indices) = (Vec::new(), Vec::new(), Vec::new());
+    for i in 0..=SEGMENTS {
+        let v = i as f32 / SEGMENTS as f32;
+        // A circular arc of 0.35 rad, leaning back towards the tip.
+        let angle = 0.35 * v;
+        let center = Vec3::new(0.0, angle.sin(), angle.cos() - 1.0) * length / 0.35;
+        let normal = Vec3::new(0.0, angle.sin(), angle.cos());
+        for u in [0.0, 0.5, 1.0] {
+            positions.push(center + Vec3::X * (u - 0.5) * width - normal * (u - 0.5).abs() * 0.12 * width);
+            normals.push((normal + Vec3::X * (u - 0.5) * 0.5).normalize());
+            tangents.push([0.0, angle.cos(), -angle.sin(), -1.0]);
+            uvs.push([u, v]);
+            ids.push([0.0, 0.0]);
+        }
+        if i < SEGMENTS {
+            let k = 3 * i;
+            for quad in [[k, k + 1, k + 4, k + 3], [k + 1, k + 2, k + 5, k + 4]] {
+                indices.extend([quad[0], quad[1], quad[2], quad[0], quad[2], quad[3]]);
+            }
+        }
+    }
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, tangents)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, ids)
+        .with_inserted_indices(Indices::U32(indices))
+}

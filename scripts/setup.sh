@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# Installs what is missing to build and to render: a C linker and a Vulkan driver. Does nothing where all is present.
+set -euo pipefail
+
+need=()
+command -v cc >/dev/null 2>&1 || need+=(gcc libc6-dev)
+
+has_library() { ldconfig -p 2>/dev/null | grep -q "$1" || [ -e "/usr/lib/x86_64-linux-gnu/$1" ] || [ -e "/usr/lib/aarch64-linux-gnu/$1" ]; }
+has_driver() {
+    [ -n "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ] && return 0
+    compgen -G '/usr/share/vulkan/icd.d/*.json' >/dev/null || compgen -G '/etc/vulkan/icd.d/*.json' >/dev/null
+}
+
+case "$(uname -s)" in
+Linux)
+    has_library libvulkan.so.1 || need+=(libvulkan1)
+    has_driver || need+=(mesa-vulkan-drivers)
+    if [ -n "${DISPLAY:-}" ]; then
+        has_library libxkbcommon-x11.so.0 || need+=(libxkbcommon-x11-0)
+        has_library libXcursor.so.1 || need+=(libxcursor1)
+        has_library libXi.so.6 || need+=(libxi6)
+        has_library libXrandr.so.2 || need+=(libxrandr2)
+    fi
+    ;;
+*) ;;
+esac
+
+if ! command -v cargo >/dev/null 2>&1; then
+    echo "setup: no cargo found. Install Rust 1.95 or newer (https://rustup.rs), then try again." >&2
+    exit 1
+fi
+[ ${#need[@]} -eq 0 ] && exit 0
+
+if ! command -v apt-get >/dev/null 2>&1; then
+    echo "setup: missing: ${need[*]} (Debian names). Install what your system calls them, then try again." >&2
+    exit 1
+fi
+run=()
+if [ "$(id -u)" -ne 0 ]; then
+    if command -v sudo >/dev/null 2>&1 && sudo -n true 2>/dev/null; then
+        run=(sudo -n)
+    else
+        echo "setup: missing: ${need[*]}. May not install them without root; run: sudo apt-get install ${need[*]}" >&2
+        exit 1
+    fi
+fi
+echo "setup: installing ${need[*]}"
+"${run[@]}" apt-get update -qq
+"${run[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${need[@]}" >/dev/null

@@ -1,0 +1,234 @@
+//! From a groom and a skin to the cards: the whole way, without an app.
+
+use super::{
+    asset::{Groom, Region},
+    card::{Card, CardGeometry},
+    drape::{Shape, drape, rise},
+    error::GroomError,
+    lay::{arc_length, lay_field},
+    layer,
+    leaf::{Leaf, vary},
+    mesh::build_mesh,
+    rows::{FanJoint, RowContext},
+    scatter::{Field, Follicle, scatter},
+    seed::{Stream, name_hash, place_hash},
+    select::select_triangles,
+    skin::{SkinMesh, Weights, blend_weights},
+};
+use bevy::{math::Vec3, mesh::Mesh};
+use std::collections::HashMap;
+
+/// A bird to be feathered.
+#[derive(Clone, Debug, Default)]
+pub struct Bird {
+    /// Its skin in bind pose.
+    pub skin: SkinMesh,
+    /// Names of the joints of its skin, in their order; empty if it is not skinned.
+    pub joints: Vec<String>,
+    /// Place of each joint in bind pose, model space, metres; as many as names.
+    pub joint_places: Vec<Vec3>,
+}
+
+/// The cards of a bird.
+#[derive(Clone, Debug)]
+pub struct Coat {
+    /// One record per feather: regions in order, then rows.
+    pub cards: Vec<Card>,
+    /// Where each card's vertices are.
+    pub geometry: Vec<CardGeometry>,
+    /// The mesh, see [`build_mesh`].
+    pub mesh: Mesh,
+    /// Joints added behind the body's, one per feather of a row.
+    pub fans: Vec<FanJoint>,
+    /// What was odd but not fatal: joints that the skin lacks, regions that select nothing.
+    pub warnings: Vec<String>,
+    /// Pairs of feathers that still cross, see [`layer::settle`].
+    pub crossings: layer::Crossings,
+}
+
+/// Feathers a bird. The same arguments give the same bytes. `density` scales the number of feathers of the regions, and their
+/// size by 1 / sqrt(density), so that cover stays; 0.01..=16, clamped.
+///
+/// # Errors
+/// [`GroomError::Value`] if the groom is damaged, [`GroomError::Skin`] if the skin has no triangle.
+pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result<Coat, GroomError> {
+    groom.validate(&groom.name)?;
+    let skin = &bird.skin;
+    if skin.triangles.is_empty() {
+        return Err(GroomError::Skin { mesh: 0, message: "has no triangle with an area".into() });
+    }
+    let density = if density.is_finite() { density.clamp(0.01, 16.0) } else { 1.0 };
+    let mut warnings = Vec::new();
+    let mut leaves = regions(bird, groom, seed, density, &mut warnings);
+    let skinned = !bird.joints.is_empty() && !skin.weights.is_empty();
+    let names = if skinned { &bird.joints[..] } else { &[] };
+    let crossings = layer::settle(&mut leaves);
+    let (mut fans, mut missing) = (Vec::new(), Vec::new());
+    for (number, row) in groom.rows.iter().enumerate() {
+        let context = RowContext {
+            skin,
+            joints: names,
+            unit: groom.unit,
+            seed,
+            region: (groom.regions.len() + number) as u16,
+            first_joint: names.len() + fans.len(),
+        };
+        let (row_leaves, row_fans) = context.build(row, &mut missing);
+        leaves.extend(row_leaves);
+        if skinned {
+            fans.extend(row_fans);
+        }
+    }
+    warnings.extend(missing.iter().map(|name| format!("{}: the skin has no joint {name:?}", groom.name)));
+    let (mesh, geometry) = build_mesh(&mut leaves, skinned);
+    let cards = leaves.iter().map(|leaf| leaf.card).collect();
+    Ok(Coat { cards, geometry, mesh, fans, warnings, crossings })
+}
+
+/// Smallest distance between two different layer keys of the regions, at most 1: the room that each has for its own order.
+fn layer_room(regions: &[Region]) -> f32 {
+    let mut keys: Vec<f32> = regions.iter().map(|region| region.layer).collect();
+    keys.sort_by(f32::total_cmp);
+    keys.windows(2).map(|pair| pair[1] - pair[0]).filter(|gap| *gap > 1.0e-4).fold(1.0, f32::min)
+}
+
+fn regions(bird: &Bird, groom: &Groom, seed: u64, density: f32, warnings: &mut Vec<String>) -> Vec<Leaf> {
+    let skin = &bird.skin;
+    let masks: Vec<Vec<bool>> =
+        groom.regions.iter().map(|region| select_triangles(&region.select, skin, &bird.joints, groom.unit)).collect();
+    // One lay per set of guides: most regions share all of them.
+    let mut lays: HashMap<Vec<bool>, (Vec<Vec3>, Vec<f32>)> = HashMap::new();
+    let mut placed: Vec<Follicle> = Vec::new();
+    let mut leaves = Vec::new();
+    let room = layer_room(&groom.regions);
+    let size = density.sqrt().recip();
+    let joint_gap = joint_gap(&bird.joint_places);
+    for (number, region) in groom.regions.iter().enumerate() {
+        let mask = &masks[number];
+        let triangles: Vec<u32> = (0..mask.len() as u32).filter(|&t| mask[t as usize]).collect();
+        if triangles.is_empty() {
+            warnings.push(format!("{}: region {:?} selects nothing", groom.name, region.name));
+            continue;
+        }
+        let chosen: Vec<bool> =
+            groom.guides.iter().map(|guide| guide.regions.is_empty() || guide.regions.contains(&region.name)).collect();
+        let (lay, arc) = lays.entry(chosen).or_insert_with_key(|chosen| {
+            let guides = groom.guides.iter().zip(chosen).filter(|(_, chosen)| **chosen).map(|(guide, _)| guide);
+            let lay = lay_field(skin, guides, groom.unit);
+            let arc = if skin.tract_phi.is_empty() { arc_length(skin, &lay) } else { Vec::new() };
+            (lay, arc)
+        });
+        let below = clearance(groom, &masks, number, size);
+        let field = Field::new(skin, lay, arc, &triangles, mask);
+        let count = (f64::from(region.count) * f64::from(density)).round() as usize;
+        let own = name_hash(seed, &region.name);
+        let follicles = scatter(&field, region, count, own, &placed);
+        for follicle in &follicles {
+            let clearance = below[follicle.at.triangle as usize];
+            leaves.push(feather(skin, lay, groom, number, follicle, own, size, clearance, room, joint_gap));
+        }
+        placed.extend(follicles);
+    }
+    leaves
+}
+
+/// Height, at each triangle, of the feathers of lower regions that grow there.
+fn clearance(groom: &Groom, masks: &[Vec<bool>], number: usize, size: f32) -> Vec<f32> {
+    let mut heights = vec![0.0_f32; masks[number].len()];
+    for (other, mask) in groom.regions.iter().zip(masks) {
+        if other.layer >= groom.regions[number].layer {
+            continue;
+        }
+        let height = other.length.at(0.5) * size * groom.unit * other.lift.at(0.5).to_radians().sin().max(0.0) * rise(1.0);
+        for (sum, taken) in heights.iter_mut().zip(mask) {
+            if *taken {
+                *sum = sum.max(height);
+            }
+        }
+    }
+    heights
+}
+
+/// Typical distance between neighbouring joints: a feather longer than this can lie over several of them.
+fn joint_gap(places: &[Vec3]) -> f32 {
+    let mut gaps: Vec<f32> = places
+        .iter()
+        .enumerate()
+        .filter_map(|(i, a)| {
+            let others = places.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, b)| a.distance(*b));
+            others.filter(|distance| *distance > 1.0e-6).reduce(f32::min)
+        })
+        .collect();
+    gaps.sort_by(f32::total_cmp);
+    gaps.get(gaps.len() / 2).copied().unwrap_or(f32::INFINITY)
+}
+
+fn feather(
+    skin: &SkinMesh,
+    lay: &[Vec3],
+    groom: &Groom,
+    number: usize,
+    follicle: &Follicle,
+    own: u64,
+    size: f32,
+    clearance: f32,
+    room: f32,
+    joint_gap: f32,
+) -> Leaf {
+    let region = &groom.regions[number];
+    let phi = follicle.phi;
+    // Half a millimetre on a bird: the feather keeps its seed when others are added around it.
+    let seed = place_hash(own, follicle.position, (skin.mean_edge() * 0.05).max(1.0e-6));
+    let mut draw = Stream::new(seed);
+    let jitter = region.jitter;
+    let length = region.length.at(phi) * size * groom.unit * (1.0 + jitter.length * draw.normal());
+    let width = region.width.at(phi) * size * groom.unit * (1.0 + jitter.width * draw.normal());
+    let yaw = (jitter.yaw * draw.normal()).to_radians();
+    let roll = (jitter.roll * draw.normal()).to_radians();
+    let lift = (region.lift.at(phi) + jitter.lift * draw.normal()).to_radians();
+    let tint = vary(region.tint, phi, jitter.hue * draw.normal(), jitter.value * draw.normal());
+    let shape = Shape {
+        length,
+        width,
+        yaw,
+        roll,
+        lift,
+        curl: region.curl.to_radians(),
+        stiffness: region.stiffness,
+        // Neighbours of one row lie at slightly different heights, so that one side always covers the other.
+        clearance: clearance + 0.012 * width * draw.uniform(),
+        segments: usize::from(region.segments.0),
+    };
+    let shaft = drape(skin, lay, follicle.at, &shape);
+    let root: Weights = skin.joint_weights(follicle.at);
+    let weights = if length > joint_gap && root.1[0] > 0.0 {
+        let last = (shaft.below.len() - 1).max(1) as f32;
+        let share = |x: f32| 1.0 - x * (0.9 - 0.2 * x);
+        let at = |(i, below)| {
+            let own = share(i as f32 / last);
+            blend_weights([(root, own), (skin.joint_weights(below), 1.0 - own)])
+        };
+        shaft.below.iter().copied().enumerate().map(at).collect()
+    } else {
+        vec![root]
+    };
+    let along = (shaft.points[1] - shaft.points[0]).normalize_or(shaft.normals[0].any_orthonormal_vector());
+    let card = Card {
+        root: shaft.points[0],
+        along,
+        normal: shaft.normals[0],
+        center: shaft.points[0],
+        radius: length,
+        length,
+        width,
+        joints: root.0,
+        weights: root.1,
+        feather: region.feather,
+        region: number as u16,
+        layer: region.layer + room * 0.999 * (1.0 - phi),
+        tint,
+        seed: (seed >> 32) as u32,
+        mirrored: false,
+    };
+    Leaf { card, shaft, weights, camber: region.camber, columns: usize::from(region.segments.1) }
+}

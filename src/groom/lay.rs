@@ -1,0 +1,152 @@
+//! The lay of the plumage: a tangent direction at every node of the skin, interpolated from guides.
+
+use super::{asset::Guide, skin::SkinMesh};
+use bevy::math::{Quat, Vec3};
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use std::num::NonZero;
+
+/// Guide segments blended at a node.
+const NEAREST: usize = 8;
+/// Passes of smoothing over the node graph.
+const SMOOTHING: usize = 8;
+/// Lay where no guide says otherwise: towards the ground and the tail (glTF axes).
+pub const DEFAULT_LAY: Vec3 = Vec3::new(0.0, -0.6, -0.8);
+
+/// One short piece of a guide.
+struct Stroke {
+    middle: Vec3,
+    direction: Vec3,
+    normal: Vec3,
+}
+
+/// Projects a direction into the plane of a unit normal; unit length, or `None` if nothing is left.
+pub fn tangent(direction: Vec3, normal: Vec3) -> Option<Vec3> {
+    (direction - normal * direction.dot(normal)).try_normalize()
+}
+
+/// Unit tangent of the lay at each node. `unit`: metres per unit of the guides.
+///
+/// Each node blends the eight nearest guide strokes by 1/(d^3 + e^3) (the bird study, section 4.3). A stroke is carried from
+/// the normal of the skin below it to the node's normal, and counts less the more these differ: so the upper face of a wing
+/// does not follow the guides of the lower.
+pub fn lay_field<'a>(skin: &SkinMesh, guides: impl Iterator<Item = &'a Guide>, unit: f32) -> Vec<Vec3> {
+    let strokes = strokes(skin, guides, unit);
+    let default = |normal: Vec3| {
+        tangent(DEFAULT_LAY, normal).or_else(|| tangent(Vec3::NEG_Y, normal)).unwrap_or_else(|| normal.any_orthonormal_vector())
+    };
+    let tree: Option<ImmutableKdTree<f32, 3>> =
+        ImmutableKdTree::new_from_slice(&strokes.iter().map(|stroke| stroke.middle.to_array()).collect::<Vec<_>>()).ok();
+    let Some(tree) = tree.filter(|_| !strokes.is_empty()) else {
+        return skin.normals.iter().map(|&normal| default(normal)).collect();
+    };
+    let near = (skin.mean_edge() * 0.5).powi(3);
+    let nearest = NonZero::new(NEAREST.min(strokes.len())).unwrap_or(NonZero::<usize>::MIN);
+    let mut field: Vec<Vec3> = skin
+        .nodes
+        .iter()
+        .zip(&skin.normals)
+        .map(|(node, &normal)| {
+            let found = tree.query(&node.to_array()).nearest_n::<SquaredEuclidean<f32>>(nearest).execute();
+            let sum = found.into_iter().fold(Vec3::ZERO, |sum, item| {
+                let stroke = &strokes[item.item as usize];
+                let facing = (0.5 + 0.5 * stroke.normal.dot(normal)).clamp(0.02, 1.0);
+                // Carried round more than a quarter turn a direction means nothing (over the chin it would come out reversed).
+                let carried = if stroke.normal.dot(normal) > 0.3 {
+                    Quat::from_rotation_arc(stroke.normal, normal) * stroke.direction
+                } else {
+                    stroke.direction
+                };
+                sum + carried * (facing * facing / (item.distance.max(0.0).powf(1.5) + near))
+            });
+            tangent(sum, normal).unwrap_or_else(|| default(normal))
+        })
+        .collect();
+    smooth(skin, &mut field);
+    field
+}
+
+fn smooth(skin: &SkinMesh, field: &mut Vec<Vec3>) {
+    let mut next = field.clone();
+    for _ in 0..SMOOTHING {
+        for (node, value) in next.iter_mut().enumerate() {
+            let ring = skin.neighbours(node);
+            let mean = ring.iter().fold(Vec3::ZERO, |sum, &other| sum + field[other as usize]) / ring.len().max(1) as f32;
+            *value = tangent(field[node] + mean, skin.normals[node]).unwrap_or(field[node]);
+        }
+        std::mem::swap(field, &mut next);
+    }
+}
+
+/// Cuts the guides into strokes no longer than a few triangles, and finds the skin's normal below each.
+fn strokes<'a>(skin: &SkinMesh, guides: impl Iterator<Item = &'a Guide>, unit: f32) -> Vec<Stroke> {
+    let step = skin.mean_edge() * 2.0;
+    let mut strokes = Vec::new();
+    for guide in guides {
+        let sides: &[f32] = if guide.mirror { &[1.0, -1.0] } else { &[1.0] };
+        for side in sides {
+            let flip = Vec3::new(*side, 1.0, 1.0) * unit;
+            for pair in guide.points.windows(2) {
+                let (a, b) = (Vec3::from_array(pair[0]) * flip, Vec3::from_array(pair[1]) * flip);
+                let Some(direction) = (b - a).try_normalize() else { continue };
+                let count = ((b - a).length() / step).ceil().clamp(1.0, 64.0) as usize;
+                for i in 0..count {
+                    let middle = a.lerp(b, (i as f32 + 0.5) / count as f32);
+                    strokes.push(Stroke { middle, direction, normal: Vec3::ZERO });
+                }
+            }
+        }
+    }
+    if strokes.is_empty() {
+        return strokes;
+    }
+    let nodes: Vec<[f32; 3]> = skin.nodes.iter().map(|node| node.to_array()).collect();
+    let Ok(tree) = ImmutableKdTree::<f32, 3>::new_from_slice(&nodes) else { return Vec::new() };
+    for stroke in &mut strokes {
+        let found = tree.query(&stroke.middle.to_array()).nearest_one::<SquaredEuclidean<f32>>().execute();
+        stroke.normal = skin.normals[found.item as usize];
+        stroke.direction = tangent(stroke.direction, stroke.normal).unwrap_or(stroke.direction);
+    }
+    strokes
+}
+
+/// Arc length along the lay at each node: the function whose slope is closest to the lay (least squares over the edges of the
+/// node graph, solved by conjugate gradients). It orders feathers from head to tail where the mesh brings no phi of its own.
+pub fn arc_length(skin: &SkinMesh, field: &[Vec3]) -> Vec<f32> {
+    let count = skin.nodes.len();
+    let apply = |x: &[f32]| -> Vec<f32> {
+        (0..count).map(|i| skin.neighbours(i).iter().map(|&j| x[i] - x[j as usize]).sum()).collect()
+    };
+    let target: Vec<f32> = (0..count)
+        .map(|i| {
+            let edges = skin.neighbours(i).iter();
+            -edges.map(|&j| (skin.nodes[j as usize] - skin.nodes[i]).dot(field[i] + field[j as usize]) * 0.5).sum::<f32>()
+        })
+        .collect();
+    let dot = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(x, y)| f64::from(*x) * f64::from(*y)).sum::<f64>();
+    let mut x: Vec<f32> = skin.nodes.iter().map(|node| node.dot(DEFAULT_LAY)).collect();
+    let image = apply(&x);
+    let mut residual: Vec<f32> = target.iter().zip(&image).map(|(b, a)| b - a).collect();
+    let mut search = residual.clone();
+    let mut energy = dot(&residual, &residual);
+    let enough = energy * 1.0e-8;
+    for _ in 0..400 {
+        if energy <= enough || energy < f64::MIN_POSITIVE {
+            break;
+        }
+        let image = apply(&search);
+        let curvature = dot(&search, &image);
+        if curvature.is_nan() || curvature <= 0.0 {
+            break;
+        }
+        let step = (energy / curvature) as f32;
+        for i in 0..count {
+            x[i] += step * search[i];
+            residual[i] -= step * image[i];
+        }
+        let next = dot(&residual, &residual);
+        let keep = (next / energy) as f32;
+        energy = next;
+        search.iter_mut().zip(&residual).for_each(|(s, r)| *s = r + keep * *s);
+    }
+    x
+}

@@ -1,0 +1,51 @@
+//! A card before it becomes vertices: the record, its shaft, and what its cross-section needs.
+
+use super::{asset::Tint, card::Card, drape::Shaft, skin::Weights};
+use bevy::{
+    color::{Hsva, LinearRgba, Srgba},
+    math::Vec3,
+};
+
+/// One feather of the groom.
+#[derive(Clone, Debug)]
+pub struct Leaf {
+    /// The record; its sphere is filled in when the mesh is built.
+    pub card: Card,
+    /// Shaft.
+    pub shaft: Shaft,
+    /// Joint weights at each point of the shaft, or one set for all.
+    pub weights: Vec<Weights>,
+    /// Sagitta over width.
+    pub camber: f32,
+    /// Columns across.
+    pub columns: usize,
+}
+
+impl Leaf {
+    /// Unit direction of the shaft at a point of it.
+    pub fn along(&self, i: usize) -> Vec3 {
+        let last = self.shaft.points.len() - 1;
+        let span = self.shaft.points[(i + 1).min(last)] - self.shaft.points[i.saturating_sub(1)];
+        span.try_normalize().unwrap_or(self.card.along)
+    }
+
+    /// Place of the card at a point of the shaft and `x` in -1..1 across (left to right seen from the front, tip up).
+    pub fn place(&self, i: usize, x: f32) -> Vec3 {
+        let normal = self.shaft.normals[i];
+        let side = self.along(i).cross(normal);
+        let half = 0.5 * self.card.width;
+        // Sides fall away with the feather's own camber and, mostly, with the skin below.
+        let fall = self.camber * self.card.width + 0.4 * self.shaft.across * half * half;
+        self.shaft.points[i] + side * (x * half) - normal * (fall * x * x)
+    }
+}
+
+/// Colour of a feather at phi, varied: linear RGB. `hue` in degrees, `value` relative.
+pub fn vary(tint: Tint, phi: f32, hue: f32, value: f32) -> [f32; 3] {
+    let mixed: [f32; 3] = std::array::from_fn(|i| tint.0[i] + (tint.1[i] - tint.0[i]) * phi.clamp(0.0, 1.0));
+    let mut hsva = Hsva::from(Srgba::rgb(mixed[0], mixed[1], mixed[2]));
+    hsva.hue = (hsva.hue + hue).rem_euclid(360.0);
+    hsva.value = (hsva.value * (1.0 + value)).clamp(0.0, 1.0);
+    let linear = LinearRgba::from(Srgba::from(hsva));
+    [linear.red, linear.green, linear.blue].map(|x| if x.is_finite() { x } else { 0.5 })
+}

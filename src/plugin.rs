@@ -1,0 +1,16 @@
+//! The plugin group.
+
+use crate::{anatomy::AnatomyPlugin, groom::GroomPlugin, render::FeatherRenderPlugin};
+use bevy::app::{PluginGroup, PluginGroupBuilder};
+
+/// Everything: feather and groom assets, grooming, rendering. Add it after `DefaultPlugins`.
+pub struct PlumagePlugins;
+
+impl PluginGroup for PlumagePlugins {
+    fn build(self) -> PluginGroupBuilder {
+        PluginGroupBuilder::start::<Self>()
+            .add(AnatomyPlugin)
+            .add(GroomPlugin)
+            .add(FeatherRenderPlugin)
+    }
+}

@@ -1,0 +1,188 @@
+//! Which evaluator is good enough, per pixel or for a whole card.
+
+use super::{
+    math::Real,
+    vane::{Cell, Local, Vane},
+};
+
+/// The three evaluators, dearest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Evaluator {
+    /// Everything resolved: [`super::near`].
+    Near,
+    /// Barbs resolved, barbules averaged along the barb: [`super::stripe`].
+    Stripe,
+    /// A constant of the cell: [`super::mean`].
+    Mean,
+}
+
+/// What is known of all pixels of a card. The discriminants are the shader's `LOD_` constants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum Lod {
+    /// Every pixel wants [`Evaluator::Near`].
+    Near = 1,
+    /// [`Evaluator::Stripe`] is good enough for every pixel.
+    Far = 2,
+    /// [`Evaluator::Mean`] is good enough for every pixel.
+    Mean = 3,
+    /// Decide per pixel.
+    Mixed = 4,
+}
+
+/// How finely NEAR cuts; the study's preset names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality<T> {
+    /// `z`: sigmas of the footprint that are looked at, 2..5.
+    pub reach: T,
+    /// `rho`: largest cell in barbule periods, 0.05..1.
+    pub cell_phase: T,
+    /// `zw`: largest cell in sigmas of the footprint, 0.1..1.5.
+    pub cell_sigmas: T,
+    /// `sharp`: a cut segment shorter than this many conditional sigmas is one cell.
+    pub single_sigmas: T,
+    /// `pz`: squared sigmas from which an edge counts as out of reach.
+    pub edge_sigmas_squared: T,
+    /// `kr`: largest cell as a multiple of the narrowest arc.
+    pub least_arc: T,
+}
+
+impl<T: Real> Quality<T> {
+    fn of(values: [f64; 6]) -> Self {
+        let [
+            reach,
+            cell_phase,
+            cell_sigmas,
+            single_sigmas,
+            edge_sigmas_squared,
+            least_arc,
+        ] = values.map(T::of);
+        Self {
+            reach,
+            cell_phase,
+            cell_sigmas,
+            single_sigmas,
+            edge_sigmas_squared,
+            least_arc,
+        }
+    }
+
+    /// RMS error about 0.001.
+    pub fn draft() -> Self {
+        Self::of([3.0, 0.5, 1.2, 1.5, 7.5, 0.8])
+    }
+
+    /// RMS error about 0.0007; what the shader uses.
+    pub fn standard() -> Self {
+        Self::of([3.0, 0.4, 0.75, 1.5, 7.5, 0.8])
+    }
+
+    /// RMS error about 0.0001.
+    pub fn strict() -> Self {
+        Self::of([3.5, 0.1, 0.3, 0.8, 10.0, 0.6])
+    }
+
+    /// As close as [`Self::standard`] needs to be to STRIPE just before the switch.
+    pub(crate) fn tight(&self) -> Self {
+        Self {
+            cell_phase: self.cell_phase.min(T::of(0.15)),
+            cell_sigmas: self.cell_sigmas.min(T::of(0.4)),
+            ..*self
+        }
+    }
+}
+
+/// How wrong a coverage may be, and what follows from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorBudget<T> {
+    /// Largest error that a switch to a cheaper evaluator may bring, 1e-4..0.05.
+    pub epsilon: T,
+    /// How finely NEAR cuts.
+    pub quality: Quality<T>,
+}
+
+impl<T: Real> Default for ErrorBudget<T> {
+    /// One step of an 8-bit image.
+    fn default() -> Self {
+        Self {
+            epsilon: T::of(1.0 / 255.0),
+            quality: Quality::standard(),
+        }
+    }
+}
+
+impl<T: Real> ErrorBudget<T> {
+    /// Variance, in periods squared, from which a pattern may be replaced by its average: dropping every harmonic costs at most
+    /// `(2 / pi) exp(-2 pi^2 v)` per direction. 0.275 for 1/255. This is the shader's `threshold`.
+    pub fn threshold(&self) -> T {
+        (T::of(0.9) / super::math::clamp(self.epsilon, T::of(1e-6), T::of(0.5))).ln()
+            / T::of(19.739_208_8)
+    }
+}
+
+/// Exponent budget of the first row of harmonics along the barb: below the conditional variance, none of them shows.
+/// Weighs the density of the harmonics and what a train that crosses the gap leaves of them.
+pub(crate) fn row_budget<T: Real>(cell: &Cell<T>, local: &Local<T>, threshold: T) -> T {
+    let sigma = local.variance.sqrt();
+    let one = T::one();
+    let density = (T::of(0.16) / (local.variance * local.conditional).sqrt()).max(one);
+    let slowest = (cell.kappa - local.slope)
+        .abs()
+        .min((cell.kappa + local.slope).abs());
+    let x = (slowest - T::of(0.47) / sigma).max(T::of(0.32));
+    let window = (one.max((one + T::of(0.4) / sigma).min(T::of(3.2) * x))
+        / (T::of(core::f64::consts::PI) * x))
+        .min(one);
+    threshold + (T::of(0.64 / 0.9) * window * density).ln() / T::of(19.739_208_8)
+}
+
+/// The cheapest evaluator within the budget, and whether NEAR has to be tight because it is close to a switch.
+pub fn choose<T: Real>(cell: &Cell<T>, local: &Local<T>, threshold: T) -> (Evaluator, bool) {
+    let teeth = T::of(4.0) * cell.kappa * cell.kappa * local.variance;
+    if local.conditional > threshold {
+        if local.variance > threshold {
+            return (Evaluator::Mean, false);
+        }
+        if teeth > T::of(0.25) {
+            return (Evaluator::Stripe, false);
+        }
+    }
+    if teeth > T::of(0.0625) {
+        let budget = row_budget(cell, local, threshold);
+        // Thirty gaps is what NEAR can walk through.
+        if teeth > T::of(0.25) && (local.conditional > budget || local.variance > T::of(25.0)) {
+            return (Evaluator::Stripe, false);
+        }
+        return (Evaluator::Near, local.conditional > T::of(0.25) * budget);
+    }
+    (Evaluator::Near, false)
+}
+
+/// What can be said of every footprint whose minor axis is at least `sigma_minor_min` and whose major one at most
+/// `sigma_major_max` (standard deviations, feather lengths). `Far` and `Mean` are promised for each of them; `Near` too.
+pub fn classify_bounds<T: Real>(
+    vane: &Vane<T>,
+    sigma_minor_min: T,
+    sigma_major_max: T,
+    threshold: T,
+) -> Lod {
+    let quarter = T::of(0.25);
+    let square = |x: T| x * x;
+    let across = square(sigma_minor_min / vane.p_b);
+    let along = square(sigma_minor_min / vane.d_bl);
+    let kappa = (vane.cos_bl / vane.sin_bl * vane.p_b / vane.d_bl).max(T::of(0.01));
+    let teeth = T::of(4.0) * kappa * kappa;
+    // A footprint contains the disc of its minor axis, so neither variance (not even the conditional one) falls below it.
+    if along > threshold && across > threshold {
+        return Lod::Mean;
+    }
+    if along > threshold && teeth * across > quarter {
+        return Lod::Far;
+    }
+    let across_max = square(sigma_major_max / vane.p_b);
+    let along_max = square(sigma_major_max / vane.d_bl);
+    if teeth * across_max <= quarter && (along_max <= threshold || across_max <= threshold) {
+        return Lod::Near;
+    }
+    Lod::Mixed
+}

@@ -1,0 +1,16 @@
+//! MEAN: the average over the whole vane, exact.
+
+use super::{
+    math::{Real, overlap_integral},
+    vane::Cell,
+};
+
+/// `[barb, upper, lower]` coverage averaged over the pattern: a constant of the cell.
+pub fn mean<T: Real>(cell: &Cell<T>) -> [T; 3] {
+    let open = cell.v1 - cell.v0;
+    let (f_d, f_p) = (cell.h_d + cell.h_d, cell.h_p + cell.h_p);
+    let s1 = overlap_integral(cell.phase_difference(cell.v1), cell.h_d, cell.h_p);
+    let s0 = overlap_integral(cell.phase_difference(cell.v0), cell.h_d, cell.h_p);
+    let lower = f_p * (T::one() - f_d) * open + (s1 - s0) / (cell.kappa + cell.kappa);
+    [T::one() - open, f_d * open, lower]
+}

@@ -1,0 +1,55 @@
+//! The LOD pass: one compute thread per card skins its root, culls it, bounds the pixel footprint over it, and writes which
+//! evaluator its fragments use (DESIGN: the range-query switch of the paper, Sec. 5.3, decided once per card).
+//!
+//! It runs once for every camera, right before that camera draws, so that two cameras share one buffer.
+
+mod pass;
+
+use bevy::{
+    core_pipeline::{Core3d, Core3dSystems},
+    prelude::*,
+    render::{GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems},
+};
+
+/// What the pass decided for a card.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum CardClass {
+    /// Outside the view.
+    Culled = 0,
+    /// Every footprint is small: NEAR.
+    Near = 1,
+    /// Barbules are never resolved: STRIPE.
+    Far = 2,
+    /// Not even barbs are: MEAN.
+    Mean = 3,
+    /// Each pixel decides.
+    Mixed = 4,
+}
+
+/// Names of the counters, in the order of [`CardClass`]; diagnostics `render/feather_cards_<name>`.
+pub const CARD_COUNTERS: [&str; 5] = ["culled", "near", "far", "mean", "mixed"];
+
+pub(super) struct LodPlugin;
+
+impl Plugin for LodPlugin {
+    fn build(&self, app: &mut App) {
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        render_app
+            .init_gpu_resource::<pass::LodBirds>()
+            .add_systems(RenderStartup, pass::init_lod_pipeline)
+            .add_systems(ExtractSchedule, pass::extract_birds)
+            .add_systems(
+                Render,
+                pass::prepare_lod_bind_groups.in_set(RenderSystems::PrepareBindGroups),
+            )
+            .add_systems(
+                Core3d,
+                pass::feather_lod
+                    .after(Core3dSystems::Prepass)
+                    .before(Core3dSystems::MainPass),
+            );
+    }
+}

@@ -1,0 +1,166 @@
+//! [`FeatherMaterial`]: the look bound to the GPU.
+
+use crate::shaders::{FEATHER, FEATHER_PREPASS, FEATHER_VERTEX};
+use bevy::{
+    mesh::MeshVertexBufferLayoutRef,
+    pbr::{MaterialPipeline, MaterialPipelineKey},
+    prelude::*,
+    render::{
+        render_resource::{
+            AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError,
+        },
+        storage::ShaderBuffer,
+    },
+    shader::ShaderRef,
+};
+use serde::{Deserialize, Serialize};
+
+
+/// How what lies behind a feather shows through it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum FeatherTransparency {
+    /// Coverage becomes MSAA samples: no sorting, writes depth. Wants `Msaa::Sample4`; with `Msaa::Off` it cuts out at one half.
+    #[default]
+    AlphaToCoverage,
+    /// Blended; the camera's order-independent transparency sorts the fragments if it has it.
+    Blend,
+}
+
+/// What a feather shows instead of its shaded colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum DebugView {
+    /// Shaded.
+    #[default]
+    None,
+    /// Coverage: rachis and barbs red, distal barbules green, proximal barbules blue.
+    Coverage,
+    /// LOD: near red, far green, mean blue, mixed white.
+    Lod,
+    /// A colour per card.
+    Card,
+    /// The layer, black (low) to white.
+    Layer,
+    /// The world normal of the card.
+    Normal,
+}
+
+/// Quality of all feathers of a bird.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FeatherSettings {
+    /// Largest error of coverage that the LOD may make, 0.0005..0.1 (half an 8-bit step and more; 1/255).
+    pub error_budget: f32,
+    /// Strength of the light that reaches a feather through its neighbours, 0..1: scattered light between feathers (0.5).
+    pub multiple_scattering: f32,
+    /// Vary the alpha by a fixed pattern before it becomes MSAA samples, so that its mean is right.
+    pub dither: bool,
+    /// What is shown.
+    pub debug_view: DebugView,
+}
+
+impl Default for FeatherSettings {
+    fn default() -> Self {
+        Self {
+            error_budget: 1.0 / 255.0,
+            multiple_scattering: 0.5,
+            dither: true,
+            debug_view: DebugView::None,
+        }
+    }
+}
+
+/// [`FeatherSettings`] as the shaders read them.
+#[derive(Clone, Copy, Debug, PartialEq, ShaderType)]
+pub struct GpuFeatherSettings {
+    /// `FeatherSettings::error_budget`.
+    pub error_budget: f32,
+    /// `FeatherSettings::multiple_scattering`.
+    pub multiple_scattering: f32,
+    /// 1: dither.
+    pub dither: u32,
+    /// `DebugView` as a number.
+    pub debug_view: u32,
+}
+
+impl From<&FeatherSettings> for GpuFeatherSettings {
+    fn from(settings: &FeatherSettings) -> Self {
+        Self {
+            error_budget: settings.error_budget.clamp(5e-4, 0.1),
+            multiple_scattering: settings.multiple_scattering.clamp(0.0, 1.0),
+            dither: u32::from(settings.dither),
+            debug_view: settings.debug_view as u32,
+        }
+    }
+}
+
+/// The feathers one bird wears, bound to the GPU. The plugin makes one for every groomed bird.
+#[derive(Asset, TypePath, AsBindGroup, Clone, Debug)]
+#[uniform(0, GpuFeatherSettings)]
+pub struct FeatherMaterial {
+    /// Quality.
+    pub settings: FeatherSettings,
+    /// Transparency.
+    pub transparency: FeatherTransparency,
+    /// Feathers and fibre tables, see [`super::PackedFeathers`].
+    #[storage(1, read_only)]
+    pub feathers: Handle<ShaderBuffer>,
+    /// Card records, [`super::CARD_VEC4S`] each.
+    #[storage(2, read_only, visibility(vertex))]
+    pub cards: Handle<ShaderBuffer>,
+    /// LOD class of every card, written by the LOD pass.
+    #[storage(3, read_only, visibility(vertex))]
+    pub lod: Handle<ShaderBuffer>,
+    /// Albedo: two layers (front, back) per feather, alpha = share of the groom's tint.
+    #[texture(4, dimension = "2d_array")]
+    #[sampler(5)]
+    pub albedo: Handle<Image>,
+}
+
+impl From<&FeatherMaterial> for GpuFeatherSettings {
+    fn from(material: &FeatherMaterial) -> Self {
+        Self::from(&material.settings)
+    }
+}
+
+impl Material for FeatherMaterial {
+    fn vertex_shader() -> ShaderRef {
+        FEATHER_VERTEX.into()
+    }
+
+    fn fragment_shader() -> ShaderRef {
+        FEATHER.into()
+    }
+
+    fn prepass_vertex_shader() -> ShaderRef {
+        FEATHER_VERTEX.into()
+    }
+
+    fn prepass_fragment_shader() -> ShaderRef {
+        FEATHER_PREPASS.into()
+    }
+
+    fn alpha_mode(&self) -> AlphaMode {
+        match self.transparency {
+            FeatherTransparency::AlphaToCoverage => AlphaMode::AlphaToCoverage,
+            FeatherTransparency::Blend => AlphaMode::Blend,
+        }
+    }
+
+    /// Under MSAA the depth prepass of an alpha-to-coverage material has no fragment stage and would write the whole card.
+    fn enable_prepass() -> bool {
+        false
+    }
+
+    fn specialize(
+        _pipeline: &MaterialPipeline,
+        descriptor: &mut RenderPipelineDescriptor,
+        _layout: &MeshVertexBufferLayoutRef,
+        _key: MaterialPipelineKey<Self>,
+    ) -> Result<(), SpecializedMeshPipelineError> {
+        // Both faces of a feather show, and both cast shadows.
+        descriptor.primitive.cull_mode = None;
+        Ok(())
+    }
+}

@@ -1,0 +1,250 @@
+//! Feathers, fibre tables and cards as the shaders read them (twin of `shaders/feather_data.wgsl`).
+
+use crate::{
+    anatomy::{CONTOUR_ROWS, Feather, Pattern, RACHIS_ROWS, Vane},
+    groom::Card,
+    scattering::{Fibre, FibreTable, SHEEN_TABLE_SIZE, sheen_row},
+};
+use bevy::{
+    asset::RenderAssetUsages,
+    image::{ImageSampler, ImageSamplerDescriptor},
+    prelude::*,
+    render::render_resource::{
+        Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
+    },
+};
+
+/// vec4s of a feather's header.
+pub const HEADER_LENGTH: usize = 24;
+/// vec4s of one feather.
+pub const FEATHER_STRIDE: usize =
+    HEADER_LENGTH + RACHIS_ROWS + CONTOUR_ROWS + SHEEN_TABLE_SIZE;
+/// vec4s (of `u32`) of one card record.
+pub const CARD_VEC4S: usize = 5;
+/// Size of a baked albedo layer.
+const ALBEDO_SIZE: (u32, u32) = (32, 128);
+
+/// All feathers of one bird: one storage buffer and one texture array.
+pub struct PackedFeathers {
+    /// The buffer `feathers`: header, feathers, fibre tables.
+    pub data: Vec<u8>,
+    /// Two layers per feather: front, back.
+    pub albedo: Image,
+}
+
+impl PackedFeathers {
+    /// Packs `feathers` in order. `images` serves albedo images that replace the painted front.
+    pub fn new(feathers: &[&Feather], images: &Assets<Image>) -> Self {
+        let mut tables: Vec<(Fibre, FibreTable)> = Vec::new();
+        let mut rows: Vec<[f32; 4]> = vec![[0.0; 4]];
+        for feather in feathers {
+            pack_feather(feather, &mut rows, &mut tables);
+        }
+        let first_table = rows.len();
+        for (_, table) in &tables {
+            rows.extend(table.pack_rows());
+        }
+        rows[0] = [
+            feathers.len() as f32,
+            first_table as f32,
+            tables.len() as f32,
+            0.0,
+        ];
+        let data = rows
+            .iter()
+            .flatten()
+            .flat_map(|value| value.to_le_bytes())
+            .collect();
+        Self {
+            data,
+            albedo: albedo_array(feathers, images),
+        }
+    }
+
+    /// Bytes of the texture array.
+    pub fn albedo_bytes(&self) -> u64 {
+        self.albedo.data.as_ref().map_or(0, |data| data.len() as u64)
+    }
+}
+
+fn vane_rows(vane: &Vane, feather: &Feather) -> [[f32; 4]; 3] {
+    let (sin_b, cos_b) = vane.barb_angle.to_radians().sin_cos();
+    let (sin_bl, cos_bl) = vane.barbules.angle.to_radians().sin_cos();
+    let micrometre = 1e-3 / feather.length_mm;
+    [
+        [sin_b, cos_b, sin_bl, cos_bl],
+        [
+            sin_b / vane.barb_count,
+            vane.barbules.spacing_um * micrometre,
+            vane.barb_radius_um * micrometre,
+            vane.barbules.distal_radius_um * micrometre,
+        ],
+        [
+            vane.barbules.proximal_radius_um * micrometre,
+            vane.fringe,
+            vane.downy,
+            vane.barb_angle.to_radians(),
+        ],
+    ]
+}
+
+fn pack_feather(
+    feather: &Feather,
+    rows: &mut Vec<[f32; 4]>,
+    tables: &mut Vec<(Fibre, FibreTable)>,
+) {
+    let start = rows.len();
+    let shape = feather.shape_table();
+    rows.push([
+        feather.aspect,
+        feather.length_mm * 1e-3,
+        shape.start,
+        // Without colours of its own the back of a structural feather is dark (its mirrors face outwards).
+        f32::from(u8::from(feather.albedo.back.is_none())),
+    ]);
+    rows.extend(vane_rows(&feather.left, feather));
+    rows.extend(vane_rows(&feather.right, feather));
+    let sheen = feather.optics.sheen;
+    rows.push([sheen.strength, sheen.roughness, 0.0, 0.0]);
+    let optics = &feather.optics;
+    let mut index = [0.0; 4];
+    for (slot, fibre) in [optics.rachis, optics.barb, optics.distal, optics.proximal]
+        .into_iter()
+        .enumerate()
+    {
+        let table = tables
+            .iter()
+            .position(|(known, _)| *known == fibre)
+            .unwrap_or_else(|| {
+                tables.push((fibre, FibreTable::build(&fibre)));
+                tables.len() - 1
+            });
+        rows.extend(tables[table].1.pack_parameters());
+        index[slot] = table as f32;
+    }
+    rows.push(index);
+    rows.resize(start + HEADER_LENGTH, [0.0; 4]);
+    rows.extend_from_slice(&shape.rachis);
+    rows.extend_from_slice(&shape.contour);
+    rows.extend(sheen_row(sheen.roughness));
+    debug_assert_eq!(rows.len() - start, FEATHER_STRIDE);
+}
+
+/// Card records; five `vec4<u32>` each.
+pub fn pack_cards(cards: &[Card]) -> Vec<u8> {
+    let layers = cards
+        .iter()
+        .map(|card| card.layer)
+        .fold((f32::MAX, f32::MIN), |(lo, hi), l| (lo.min(l), hi.max(l)));
+    let mut data = Vec::with_capacity(cards.len() * CARD_VEC4S * 16);
+    for card in cards {
+        let mut word = |value: u32| data.extend_from_slice(&value.to_le_bytes());
+        for value in card.root.to_array() {
+            word(value.to_bits());
+        }
+        word(card.length.to_bits());
+        for value in card.center.to_array() {
+            word(value.to_bits());
+        }
+        word(card.radius.to_bits());
+        for value in card.along.to_array() {
+            word(value.to_bits());
+        }
+        word(card.width.to_bits());
+        let [a, b, c, d] = card.joints.map(u32::from);
+        word(a | b << 16);
+        word(c | d << 16);
+        let [a, b, c, d] = card.weights.map(|w| (w.clamp(0.0, 1.0) * 65535.0).round() as u32);
+        word(a | b << 16);
+        word(c | d << 16);
+        let layer = (card.layer - layers.0) / (layers.1 - layers.0).max(1e-6);
+        word(
+            u32::from(card.feather)
+                | u32::from(card.mirrored) << 16
+                | ((layer.clamp(0.0, 1.0) * 255.0) as u32) << 24,
+        );
+        let [r, g, b] = card.tint.map(|t| (t.clamp(0.0, 1.0).sqrt() * 1023.0).round() as u32);
+        word(r | g << 10 | b << 20);
+        word(card.seed);
+        word(0);
+    }
+    data
+}
+
+fn albedo_array(feathers: &[&Feather], images: &Assets<Image>) -> Image {
+    let (width, height) = ALBEDO_SIZE;
+    let mut data = Vec::new();
+    let mut levels = 1;
+    for feather in feathers {
+        let front = feather
+            .image
+            .as_ref()
+            .and_then(|handle| images.get(handle))
+            .and_then(|image| resample(image, width, height))
+            .unwrap_or_else(|| feather.albedo.front.bake(width as usize, height as usize, feather));
+        let back: Option<&Pattern> = feather.albedo.back.as_ref();
+        let back = back.map_or_else(|| front.clone(), |back| back.bake(width as usize, height as usize, feather));
+        for face in [front, back] {
+            levels = append_with_mips(&mut data, face, width, height);
+        }
+    }
+    let mut image = Image::new_uninit(
+        Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 2 * feathers.len().max(1) as u32,
+        },
+        TextureDimension::D2,
+        TextureFormat::Rgba8UnormSrgb,
+        RenderAssetUsages::RENDER_WORLD,
+    );
+    image.texture_descriptor.mip_level_count = levels;
+    image.data = Some(data);
+    image.texture_view_descriptor = Some(TextureViewDescriptor {
+        dimension: Some(TextureViewDimension::D2Array),
+        ..default()
+    });
+    image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor::linear());
+    image
+}
+
+/// An image of any size as RGBA8 of the albedo's size; its alpha counts as "no tint".
+fn resample(image: &Image, width: u32, height: u32) -> Option<Vec<u8>> {
+    let mut out = Vec::with_capacity((width * height * 4) as usize);
+    let size = image.size();
+    for y in 0..height {
+        for x in 0..width {
+            let color = image
+                .get_color_at(x * size.x / width, y * size.y / height)
+                .ok()?
+                .to_srgba();
+            out.extend([color.red, color.green, color.blue].map(|c| (c * 255.0) as u8));
+            out.push(0);
+        }
+    }
+    Some(out)
+}
+
+/// Appends a layer and its mip levels (halved by plain averages), largest first; returns the number of levels.
+fn append_with_mips(data: &mut Vec<u8>, mut level: Vec<u8>, mut width: u32, mut height: u32) -> u32 {
+    let mut count = 1;
+    data.extend_from_slice(&level);
+    while width > 4 && height > 4 {
+        let (w, h) = (width / 2, height / 2);
+        let mut next = Vec::with_capacity((w * h * 4) as usize);
+        for y in 0..h {
+            for x in 0..w {
+                for c in 0..4 {
+                    let at = |dx: u32, dy: u32| {
+                        u32::from(level[(((2 * y + dy) * width + 2 * x + dx) * 4 + c) as usize])
+                    };
+                    next.push(((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1) + 2) / 4) as u8);
+                }
+            }
+        }
+        data.extend_from_slice(&next);
+        (level, width, height) = (next, w, h);
+        count += 1;
+    }
+    count
+}

@@ -1,0 +1,209 @@
+//! Dresses every groomed bird: packs its feathers, uploads its cards, gives it a [`FeatherMaterial`].
+
+use super::{
+    material::{FeatherMaterial, FeatherSettings, FeatherTransparency},
+    pack::{PackedFeathers, pack_cards},
+};
+use crate::{anatomy::Feather, groom::PlumageCards};
+use bevy::{
+    asset::RenderAssetUsages,
+    platform::collections::HashMap,
+    prelude::*,
+    render::{render_resource::BufferUsages, storage::ShaderBuffer},
+};
+
+pub(super) struct WearPlugin;
+
+impl Plugin for WearPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Wardrobe>()
+            .init_resource::<PlumageMemory>()
+            .add_systems(
+                PostUpdate,
+                (refresh_feathers, wear_feathers, apply_quality, measure_memory).chain(),
+            );
+    }
+}
+
+/// Quality of one bird's feathers; put it beside `Plumage`. Without it the defaults hold.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Default)]
+pub struct FeatherQuality {
+    /// Error budget, light between feathers, debug view.
+    pub settings: FeatherSettings,
+    /// Transparency.
+    pub transparency: FeatherTransparency,
+}
+
+/// Bytes of GPU memory that the plugin holds, by kind.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PlumageMemory {
+    /// Feathers and fibre tables.
+    pub feathers: u64,
+    /// Albedo textures.
+    pub textures: u64,
+    /// Card records and LOD classes.
+    pub cards: u64,
+    /// Card meshes: vertices and indices.
+    pub meshes: u64,
+}
+
+impl PlumageMemory {
+    /// All of it.
+    pub fn total(&self) -> u64 {
+        self.feathers + self.textures + self.cards + self.meshes
+    }
+}
+
+/// What birds of one kind share.
+struct Wear {
+    feathers: Handle<ShaderBuffer>,
+    albedo: Handle<Image>,
+    bytes: (u64, u64),
+}
+
+/// Packed feathers by the list of feather assets worn.
+#[derive(Resource, Default)]
+struct Wardrobe(HashMap<Vec<AssetId<Feather>>, Wear>);
+
+/// Bytes of one bird's own buffers: cards and LOD, mesh.
+#[derive(Component)]
+struct WornBytes {
+    cards: u64,
+    mesh: u64,
+}
+
+/// Drops what was packed from a feather that has changed, so that it is packed anew.
+fn refresh_feathers(
+    mut commands: Commands,
+    mut events: MessageReader<AssetEvent<Feather>>,
+    mut wardrobe: ResMut<Wardrobe>,
+    worn: Query<(Entity, &PlumageCards), With<MeshMaterial3d<FeatherMaterial>>>,
+) {
+    for event in events.read() {
+        let AssetEvent::Modified { id } = event else {
+            continue;
+        };
+        wardrobe.0.retain(|ids, _| !ids.contains(id));
+        for (entity, cards) in &worn {
+            if cards.feathers.iter().any(|f| f.id() == *id) {
+                commands
+                    .entity(entity)
+                    .remove::<MeshMaterial3d<FeatherMaterial>>();
+            }
+        }
+    }
+}
+
+fn wear_feathers(
+    mut commands: Commands,
+    mut wardrobe: ResMut<Wardrobe>,
+    bare: Query<
+        (Entity, &PlumageCards, &Mesh3d),
+        Or<(
+            Without<MeshMaterial3d<FeatherMaterial>>,
+            Changed<PlumageCards>,
+        )>,
+    >,
+    qualities: Query<&FeatherQuality>,
+    feathers: Res<Assets<Feather>>,
+    meshes: Res<Assets<Mesh>>,
+    images: ResMut<Assets<Image>>,
+    mut buffers: ResMut<Assets<ShaderBuffer>>,
+    mut materials: ResMut<Assets<FeatherMaterial>>,
+) {
+    let images = images.into_inner();
+    for (entity, worn, mesh) in &bare {
+        if worn.cards.is_empty() {
+            continue;
+        }
+        let key: Vec<_> = worn.feathers.iter().map(Handle::id).collect();
+        if !wardrobe.0.contains_key(&key) {
+            let Some(assets) = key
+                .iter()
+                .map(|id| feathers.get(*id))
+                .collect::<Option<Vec<_>>>()
+            else {
+                continue;
+            };
+            let packed = PackedFeathers::new(&assets, images);
+            let bytes = (packed.data.len() as u64, packed.albedo_bytes());
+            let wear = Wear {
+                feathers: buffers.add(upload(packed.data, "feathers")),
+                albedo: images.add(packed.albedo),
+                bytes,
+            };
+            wardrobe.0.insert(key.clone(), wear);
+        }
+        let Some(wear) = wardrobe.0.get(&key) else {
+            continue;
+        };
+        let cards = pack_cards(&worn.cards);
+        let lod = vec![0u8; 4 * worn.cards.len()];
+        let bytes = WornBytes {
+            cards: (cards.len() + lod.len()) as u64,
+            mesh: meshes.get(mesh.id()).map_or(0, mesh_bytes),
+        };
+        let quality = qualities.get(worn.owner).copied().unwrap_or_default();
+        let material = FeatherMaterial {
+            settings: quality.settings,
+            transparency: quality.transparency,
+            feathers: wear.feathers.clone(),
+            cards: buffers.add(upload(cards, "feather_cards")),
+            lod: buffers.add(upload(lod, "feather_lod")),
+            albedo: wear.albedo.clone(),
+        };
+        commands
+            .entity(entity)
+            .insert((MeshMaterial3d(materials.add(material)), bytes));
+    }
+}
+
+fn apply_quality(
+    changed: Query<(Entity, &FeatherQuality), Changed<FeatherQuality>>,
+    worn: Query<(&PlumageCards, &MeshMaterial3d<FeatherMaterial>)>,
+    mut materials: ResMut<Assets<FeatherMaterial>>,
+) {
+    for (owner, quality) in &changed {
+        for (_, material) in worn.iter().filter(|(cards, _)| cards.owner == owner) {
+            let same = materials.get(material.id()).is_some_and(|m| {
+                m.settings == quality.settings && m.transparency == quality.transparency
+            });
+            if !same && let Some(mut material) = materials.get_mut(material.id()) {
+                material.settings = quality.settings;
+                material.transparency = quality.transparency;
+            }
+        }
+    }
+}
+
+fn measure_memory(
+    wardrobe: Res<Wardrobe>,
+    worn: Query<&WornBytes>,
+    mut memory: ResMut<PlumageMemory>,
+) {
+    let mut now = PlumageMemory::default();
+    for wear in wardrobe.0.values() {
+        now.feathers += wear.bytes.0;
+        now.textures += wear.bytes.1;
+    }
+    for bytes in &worn {
+        now.cards += bytes.cards;
+        now.meshes += bytes.mesh;
+    }
+    memory.set_if_neq(now);
+}
+
+fn mesh_bytes(mesh: &Mesh) -> u64 {
+    let vertices = mesh.count_vertices() as u64 * mesh.get_vertex_size();
+    let indices = mesh.indices().map_or(0, |i| i.len() as u64 * 4);
+    vertices + indices
+}
+
+fn upload(data: Vec<u8>, label: &'static str) -> ShaderBuffer {
+    let mut buffer = ShaderBuffer::new(&data, RenderAssetUsages::RENDER_WORLD);
+    buffer.buffer_description.label = Some(label);
+    buffer.buffer_description.usage =
+        BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
+    buffer
+}

@@ -1,0 +1,409 @@
+//! One pixel, then one light: the twins of `scattering.wgsl`.
+
+use super::{
+    FIBRE_HARMONICS, FibreParameters, FibreRow, Lobe, clamp, dot, fibre_colour, fresnel,
+    gamma_transmittance, lobe_shift, lobe_width, longitudinal, real,
+};
+use num_traits::Float;
+
+/// Everything about a fibre and the eye that the lights of a pixel share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FibreShading<T> {
+    /// Energy of R, TT, TRT and TRcT (or the medulla) per colour channel; their sum is the albedo at this inclination.
+    pub energy: [[T; 3]; 4],
+    /// Damped series of R, TT clear, TT dense, TRT, TRcT: factors of cos n phi, n = 1..8, relative to the mean.
+    pub series: [[T; FIBRE_HARMONICS]; 5],
+    /// How far TT goes from the clear to the dense shape per channel, 0..1.3.
+    pub dense: [T; 3],
+    /// (sin, cos) of the eye's shifted and folded inclination per lobe.
+    pub eye: [(T, T); 4],
+    /// Longitudinal roughness per lobe.
+    pub width: [T; 4],
+    /// Medulla: a1, a2 and the slope in sin theta_i; zeros for a structural fibre.
+    pub medulla: [T; 3],
+    /// Has a mirror core.
+    pub structural: bool,
+    /// Minor over major axis.
+    pub aspect: T,
+    /// Aspect that R sees, the roughness taken into account; at most 1.
+    pub surface_aspect: T,
+    /// Refractive index and cosine of the eye's inclination: the reflection of flat fibres needs them.
+    pub eta: T,
+    /// See [`Self::eta`].
+    pub cos_eye: T,
+    /// Azimuth of the eye as the unit vector (y, z).
+    pub azimuth: [T; 2],
+    /// Half width of the transition to the dark back, and how dark the back is (0..1).
+    pub back: [T; 2],
+}
+
+/// Energy by where it goes, for light that has no single direction (environment maps).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FibreEnergy<T> {
+    /// Surface reflection R, colourless.
+    pub specular: T,
+    /// All other light that returns to the side of the eye.
+    pub front: [T; 3],
+    /// Light that passes to the other side.
+    pub back: [T; 3],
+}
+
+/// A direction in the frame of a fibre: x along `tangent`, z the normal made orthogonal to it, y = z cross x.
+///
+/// `tangent` and `normal` need not be unit vectors; parallel or zero ones give a defined frame.
+pub fn fibre_local<T: Float>(tangent: [T; 3], normal: [T; 3], omega: [T; 3]) -> [T; 3] {
+    let x = unit(tangent, [T::one(), T::zero(), T::zero()]);
+    let d = dot(x, normal);
+    let raw = [
+        normal[0] - x[0] * d,
+        normal[1] - x[1] * d,
+        normal[2] - x[2] * d,
+    ];
+    // A normal along the tangent: any direction across will do.
+    let spare = if x[0].abs() < real(0.7) {
+        [T::one(), T::zero(), T::zero()]
+    } else {
+        [T::zero(), T::one(), T::zero()]
+    };
+    let z = unit(
+        raw,
+        unit(cross(cross(x, spare), x), [T::zero(), T::zero(), T::one()]),
+    );
+    let y = cross(z, x);
+    [dot(omega, x), dot(omega, y), dot(omega, z)]
+}
+
+fn cross<T: Float>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn unit<T: Float>(a: [T; 3], otherwise: [T; 3]) -> [T; 3] {
+    let l2 = dot(a, a);
+    if l2 > real(1e-12) {
+        let s = T::one() / l2.sqrt();
+        [a[0] * s, a[1] * s, a[2] * s]
+    } else {
+        otherwise
+    }
+}
+
+/// (sin, cos) of the inclination and the unit azimuth (y, z) of a local direction; azimuth 0 along the fibre.
+fn polar<T: Float>(omega: [T; 3]) -> ((T, T), [T; 2]) {
+    let across = omega[1] * omega[1] + omega[2] * omega[2];
+    let c = across.max(T::zero()).sqrt();
+    let azimuth = if across > real(1e-12) {
+        [omega[1] / c, omega[2] / c]
+    } else {
+        [T::zero(), T::one()]
+    };
+    (
+        (clamp(omega[0], -T::one(), T::one()), c.min(T::one())),
+        azimuth,
+    )
+}
+
+/// Aspect from which on a fibre counts as round.
+const ROUND: f64 = 0.999;
+
+/// Surface reflection of an elliptic fibre over that of a round one: less when seen broadside, more edge on.
+fn flat_reflection<T: Float>(aspect: T, eta: T, cos_o: T, azimuth: [T; 2]) -> T {
+    // Gauss-Legendre over the silhouette; t is the parametric angle of the ellipse.
+    let [st, ct] = {
+        let (y, z) = (aspect * azimuth[0], azimuth[1]);
+        let l = (y * y + z * z).max(real(1e-12)).sqrt();
+        [y / l, z / l]
+    };
+    let (mut flat, mut round) = (T::zero(), T::zero());
+    for (h, w) in [
+        (0.238_619_2, 0.467_913_9),
+        (0.661_209_4, 0.360_761_6),
+        (0.932_469_5, 0.171_324_5),
+    ] {
+        let c = real::<T>((1.0_f64 - h * h).sqrt());
+        for h in [real::<T>(h), real(-h)] {
+            let (z, y) = (ct * c - st * h, aspect * (st * c + ct * h));
+            let cos = (z * azimuth[1] + y * azimuth[0]) / (z * z + y * y).max(real(1e-12)).sqrt();
+            flat = flat + fresnel(cos_o * cos, eta) * real(w);
+            round = round + fresnel(cos_o * c, eta) * real(w);
+        }
+    }
+    flat / round
+}
+
+/// Stretch of the azimuth warp of R and TRcT where the eye meets the fibre head on (scattering study 1.5).
+fn stretch<T: Float>(aspect: T, azimuth: [T; 2]) -> T {
+    let (s2, c2, a2) = (
+        azimuth[0] * azimuth[0],
+        azimuth[1] * azimuth[1],
+        aspect * aspect,
+    );
+    (c2 + a2 * a2 * s2) / (aspect * (c2 + a2 * s2))
+}
+
+/// Series factors of a shape stored in two vec4s, damped by a Gaussian blur, cut after `harmonics`.
+fn damped<T: Float>(row: &FibreRow<T>, at: usize, blur: T, harmonics: u32) -> [T; FIBRE_HARMONICS] {
+    let mut out = [T::zero(); FIBRE_HARMONICS];
+    for (n, o) in out.iter_mut().enumerate().take(harmonics as usize) {
+        let k = real::<T>((n + 1) as f64) * blur;
+        *o = row[at + n / 4][n % 4] * (k * k * real(-0.5)).exp() * real(2.0);
+    }
+    out
+}
+
+/// Prepares a fibre for the lights of one pixel.
+///
+/// `row`: the fibre's table at cos theta_o = |(y, z) of `omega_o`|; `albedo`: linear RGB; `omega_o`: to the eye, in the
+/// fibre's frame; `dark_back`: 1 where the core is a mirror on the outer face only (local +z) and black behind, 0 where it is one all
+/// around; `harmonics`: 1..=8 terms, 8 near, 3 for the mean level of detail (fewer terms blur the azimuth).
+pub fn fibre_shading<T: Float>(
+    p: &FibreParameters<T>,
+    row: &FibreRow<T>,
+    albedo: [T; 3],
+    omega_o: [T; 3],
+    dark_back: T,
+    harmonics: u32,
+) -> FibreShading<T> {
+    let (zero, one, two) = (T::zero(), T::one(), real::<T>(2.0));
+    let harmonics = harmonics.clamp(1, FIBRE_HARMONICS as u32);
+    let ((sin_o, cos_o), azimuth) = polar(omega_o);
+    let colour = fibre_colour(p, albedo);
+
+    let mut energy = [[zero; 3]; 4];
+    let mut dense = [zero; 3];
+    let series_share = row[0][0] * real(0.945);
+    // The lobe of a flat fibre is as narrow as it is flat: what blur would add is taken off the flatness.
+    let surface_aspect = (sq(p.aspect) + sq(p.azimuthal_roughness / real(1.37)))
+        .sqrt()
+        .min(one);
+    let (mut surface, mut entering) = (row[0][0], one);
+    if p.aspect < real(ROUND) {
+        surface = (surface * flat_reflection(surface_aspect, p.eta, cos_o, azimuth)).min(one);
+        entering = (one - surface) / (one - row[0][0]).max(real(1e-6));
+    }
+    for c in 0..3 {
+        let sigma = colour.absorption[c];
+        dense[c] = (two * sigma / (two + sigma)).min(real(1.3));
+        energy[0][c] = surface;
+        energy[1][c] = row[0][1] * entering * gamma_transmittance(row[1][0], row[1][1], sigma);
+        energy[2][c] = row[0][2] * entering * gamma_transmittance(row[1][2], row[1][3], sigma);
+        energy[3][c] = row[0][3]
+            * entering
+            * if p.structural {
+                let r = colour.core[c];
+                r * (one - series_share) / (one - series_share * r)
+            } else {
+                gamma_transmittance(row[2][0], row[2][1], sigma)
+            };
+    }
+
+    // Too few terms for a narrow lobe would ring: blur it to what they can show.
+    let blur = p
+        .azimuthal_roughness
+        .max(real::<T>(1.6) / real(f64::from(harmonics)));
+    let warped = blur * stretch(p.aspect, azimuth);
+    let series = [
+        damped(row, 5, warped, harmonics),
+        damped(row, 7, blur / p.aspect.sqrt(), harmonics),
+        damped(row, 9, blur / p.aspect.sqrt(), harmonics),
+        damped(row, 11, blur, harmonics),
+        if p.structural {
+            damped(row, 3, warped, harmonics)
+        } else {
+            [zero; FIBRE_HARMONICS]
+        },
+    ];
+    let mut eye = [(zero, one); 4];
+    let mut width = [one; 4];
+    for (i, lobe) in [Lobe::R, Lobe::TT, Lobe::TRT, Lobe::TRcT]
+        .into_iter()
+        .enumerate()
+    {
+        // Beyond the pole the cosine turns negative: its absolute value is the fold.
+        let (s, c) = lobe_shift(lobe, p.tilt, p.eta).sin_cos();
+        eye[i] = (sin_o * c - cos_o * s, (cos_o * c + sin_o * s).abs());
+        width[i] = lobe_width(lobe, p.longitudinal_roughness, p.eta);
+    }
+    let forward = if sin_o < zero { -one } else { one };
+    let medulla = if p.structural {
+        [zero; 3]
+    } else {
+        [
+            row[2][2],
+            row[2][3],
+            clamp(real::<T>(4.0) * row[3][0], -one, one) * forward,
+        ]
+    };
+    FibreShading {
+        energy,
+        series,
+        dense,
+        eye,
+        width,
+        medulla,
+        structural: p.structural,
+        aspect: p.aspect,
+        surface_aspect,
+        eta: p.eta,
+        cos_eye: cos_o,
+        azimuth,
+        back: [p.azimuthal_roughness, clamp(dark_back, zero, one)],
+    }
+}
+
+/// `1 + sum of s_n cos n phi`, at least 0: the density of a lobe in phi times 2 pi.
+pub fn azimuthal<T: Float>(series: &[T; FIBRE_HARMONICS], cos_phi: T) -> T {
+    raw_series(series, cos_phi).max(T::zero())
+}
+
+fn raw_series<T: Float>(series: &[T; FIBRE_HARMONICS], cos_phi: T) -> T {
+    let (mut sum, mut now, mut before) = (T::one(), cos_phi, T::one());
+    for &s in series {
+        sum = sum + s * now;
+        (now, before) = (cos_phi * now * real(2.0) - before, now);
+    }
+    sum
+}
+
+/// K = S cos(theta_i) of the fibre for light from `omega_i` (in its frame), linear RGB per steradian, at least 0.
+pub fn fibre_evaluate<T: Float>(s: &FibreShading<T>, omega_i: [T; 3]) -> [T; 3] {
+    let (zero, one, two) = (T::zero(), T::one(), real::<T>(2.0));
+    let pi = real::<T>(std::f64::consts::PI);
+    let (light, azimuth) = polar(omega_i);
+    let o = s.azimuth;
+    let cos_phi = clamp(o[0] * azimuth[0] + o[1] * azimuth[1], -one, one);
+
+    // Direction of the normal half way between eye and light; exactly opposite: the side does not matter.
+    let mut half = [o[0] + azimuth[0], o[1] + azimuth[1]];
+    let length2 = half[0] * half[0] + half[1] * half[1];
+    half = if length2 > real(1e-12) {
+        let l = length2.sqrt();
+        [half[0] / l, half[1] / l]
+    } else {
+        [o[1], -o[0]]
+    };
+
+    let (mut cos_reflect, mut jacobian, mut cos_through, mut shrink) = (cos_phi, one, cos_phi, one);
+    let mut reflected = azimuthal(&s.series[0], cos_phi);
+    if s.aspect < real(ROUND) {
+        let a = s.aspect;
+        let (hit2, eye2) = (sq(half[0]) + sq(a * half[1]), sq(a * o[0]) + sq(o[1]));
+        let d = (a * half[1] * o[1] + half[0] * a * o[0]) / (hit2 * eye2).max(real(1e-12)).sqrt();
+        cos_reflect = clamp(two * d * d - one, -one, one);
+        jacobian = a / hit2.max(real(1e-6));
+        reflected = flat_surface(s, half) / s.energy[0][0].max(real(1e-6));
+        let root = a.sqrt();
+        let bend = (-cos_phi).max(-one).min(one).acos() / root;
+        shrink = if bend > pi { zero } else { one / root };
+        cos_through = -bend.cos();
+    }
+
+    let norm = one / (two * pi);
+    let m = |i: usize| longitudinal(s.eye[i], light, s.width[i]) * norm;
+    let reflected = reflected * m(0);
+    let inner = azimuthal(&s.series[3], cos_phi) * m(2);
+    let (clear, dense) = (
+        raw_series(&s.series[1], cos_through),
+        raw_series(&s.series[2], cos_through),
+    );
+    let through = shrink * m(1);
+    let fourth = if s.structural {
+        let b = s.back[0];
+        let x = clamp((half[1] + b) / (b + b), zero, one);
+        let lit = x * x * (real::<T>(3.0) - two * x);
+        azimuthal(&s.series[4], cos_reflect) * jacobian * m(3) * (one + (lit - one) * s.back[1])
+    } else {
+        let f = one
+            + two * s.medulla[0] * cos_phi
+            + two * s.medulla[1] * (two * cos_phi * cos_phi - one);
+        f.max(zero) * norm * light.1 * (two / pi) * (one + s.medulla[2] * light.0).max(zero)
+    };
+    std::array::from_fn(|c| {
+        let tt = (clear + (dense - clear) * s.dense[c]).max(zero) * through;
+        s.energy[0][c] * reflected
+            + s.energy[1][c] * tt
+            + s.energy[2][c] * inner
+            + s.energy[3][c] * fourth
+    })
+}
+
+/// Density of R in phi times 2 pi and its energy for a flat fibre: the closed form J F cos(phi'/2)/4 (scattering study 1.5).
+/// `half` is the azimuth half way between eye and light.
+fn flat_surface<T: Float>(s: &FibreShading<T>, half: [T; 2]) -> T {
+    let (a, o) = (s.surface_aspect, s.azimuth);
+    let hit2 = (sq(half[0]) + sq(a * half[1])).max(real(1e-6));
+    let eye2 = sq(a * o[0]) + sq(o[1]);
+    let incidence = half[0] * o[0] + half[1] * o[1];
+    let d = a * incidence / (hit2 * eye2).max(real(1e-12)).sqrt();
+    real::<T>(std::f64::consts::FRAC_PI_2) * a / hit2
+        * d.abs().min(T::one())
+        * fresnel(s.cos_eye * incidence, s.eta)
+}
+
+fn sq<T: Float>(x: T) -> T {
+    x * x
+}
+
+/// Share of a fibre in a flat array that light from `omega_i` sees between its neighbours, 0..1 (scattering study 6.3).
+///
+/// `cos_normal`: |omega_i . n|; `coverage`: width of the fibres over their period, seen along the normal; `cos_theta`: cosine of the
+/// light's inclination in the fibre's frame. Without it a vane lit at grazing angles would scatter more than it receives.
+pub fn light_visibility<T: Float>(cos_normal: T, coverage: T, cos_theta: T) -> T {
+    clamp(
+        cos_normal.abs() / (coverage.max(T::zero()) * cos_theta.max(real(1e-3))).max(real(1e-6)),
+        T::zero(),
+        T::one(),
+    )
+}
+
+/// Share of a lobe that stays on the side of the eye (|phi| below 90 degrees), 0..1.
+fn share_front<T: Float>(s: &[T; FIBRE_HARMONICS]) -> T {
+    let odd = s[0] - s[2] / real(3.0) + s[4] / real(5.0) - s[6] / real(7.0);
+    clamp(
+        real::<T>(0.5) + odd * real(std::f64::consts::FRAC_1_PI),
+        T::zero(),
+        T::one(),
+    )
+}
+
+/// Share of light that the fibre scatters into all directions, linear RGB, 0..1.
+pub fn fibre_albedo<T: Float>(s: &FibreShading<T>) -> [T; 3] {
+    std::array::from_fn(|c| s.energy[0][c] + s.energy[1][c] + s.energy[2][c] + s.energy[3][c])
+}
+
+/// Splits the fibre's energy for light without a direction. `specular + front + back` is the albedo, less what a dark back
+/// swallows.
+pub fn fibre_energy_split<T: Float>(s: &FibreShading<T>) -> FibreEnergy<T> {
+    let one = T::one();
+    let facing = one + (clamp((one + s.azimuth[1]) * real(0.5), T::zero(), one) - one) * s.back[1];
+    let (clear, dense) = (share_front(&s.series[1]), share_front(&s.series[2]));
+    let inner = share_front(&s.series[3]);
+    let (fourth, lit) = if s.structural {
+        (share_front(&s.series[4]), facing)
+    } else {
+        (
+            clamp(
+                real::<T>(0.5) + s.medulla[0] * real(2.0 * std::f64::consts::FRAC_1_PI),
+                T::zero(),
+                one,
+            ),
+            one,
+        )
+    };
+    let mut out = FibreEnergy {
+        specular: s.energy[0][0],
+        front: [T::zero(); 3],
+        back: [T::zero(); 3],
+    };
+    for c in 0..3 {
+        let tt = clamp(clear + (dense - clear) * s.dense[c], T::zero(), one);
+        let last = s.energy[3][c] * lit;
+        out.front[c] = s.energy[1][c] * tt + s.energy[2][c] * inner + last * fourth;
+        out.back[c] =
+            s.energy[1][c] * (one - tt) + s.energy[2][c] * (one - inner) + last * (one - fourth);
+    }
+    out
+}

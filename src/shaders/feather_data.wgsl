@@ -1,0 +1,61 @@
+// Layout of the packed feathers (twin of src/render/pack.rs). Offsets and counts are in vec4s.
+#define_import_path bevy_plumage::feather_data
+
+// Buffer header: (feather count, first fibre table, fibre table count, unused).
+const FEATHERS_BASE: u32 = 1u;
+// One feather: header, rachis table, contour table, sheen row.
+const HEADER_LENGTH: u32 = 24u;
+const RACHIS_SAMPLES: u32 = 64u;
+const CONTOUR_SAMPLES: u32 = 256u;
+const SHEEN_SAMPLES: u32 = 32u;
+const FEATHER_STRIDE: u32 = 376u;
+// Inside the header.
+const SHAPE: u32 = 0u;       // aspect, length in metres, contour start, dark back
+const LEFT_VANE: u32 = 1u;   // 3: sin/cos of barb angle and barbule angle; p_b, d_bl, r_b, r_bd; r_bp, fringe, downy, barb angle
+const RIGHT_VANE: u32 = 4u;
+const SHEEN: u32 = 7u;       // strength, roughness
+const FIBRES: u32 = 8u;      // 4 x 3: rachis, barb, distal, proximal
+const TABLES: u32 = 20u;     // fibre table index of each of the four
+
+// Class of a card, twin of CardClass.
+const CARD_CULLED: u32 = 0u;
+const CARD_NEAR: u32 = 1u;
+const CARD_FAR: u32 = 2u;
+const CARD_MEAN: u32 = 3u;
+const CARD_MIXED: u32 = 4u;
+
+// One card record.
+const CARD_LENGTH: u32 = 5u;
+struct Card {
+    root: vec3<f32>,
+    length: f32,
+    center: vec3<f32>,
+    radius: f32,
+    along: vec3<f32>,
+    width: f32,
+    joints: vec4<u32>,
+    weights: vec4<f32>,
+    // Index of the feather in bits 0..15, the mirrored flag in bit 16, layer in bits 24..31.
+    feather: u32,
+    tint: u32,
+    seed: u32,
+}
+
+fn card_feather(bits: u32) -> u32 { return bits & 0xffffu; }
+fn card_layer(bits: u32) -> f32 { return f32(bits >> 24u) / 255.0; }
+
+fn card_decode(a: vec4<u32>, b: vec4<u32>, c: vec4<u32>, d: vec4<u32>, e: vec4<u32>) -> Card {
+    var card: Card;
+    card.root = bitcast<vec3<f32>>(a.xyz);
+    card.length = bitcast<f32>(a.w);
+    card.center = bitcast<vec3<f32>>(b.xyz);
+    card.radius = bitcast<f32>(b.w);
+    card.along = bitcast<vec3<f32>>(c.xyz);
+    card.width = bitcast<f32>(c.w);
+    card.joints = vec4(d.x & 0xffffu, d.x >> 16u, d.y & 0xffffu, d.y >> 16u);
+    card.weights = vec4(unpack2x16unorm(d.z), unpack2x16unorm(d.w));
+    card.feather = e.x;
+    card.tint = e.y;
+    card.seed = e.z;
+    return card;
+}

@@ -1,0 +1,35 @@
+//! The WGSL of the crate, embedded in the binary: maths modules (plain functions, twins of the Rust ones), and the thin layer
+//! that binds them to Bevy.
+
+use bevy::{asset::embedded_asset, prelude::*, shader::load_shader_library};
+
+/// Vertex function of every feather pass.
+pub const FEATHER_VERTEX: &str = "embedded://bevy_plumage/shaders/feather_vertex.wgsl";
+/// Colour of a fragment.
+pub const FEATHER: &str = "embedded://bevy_plumage/shaders/feather.wgsl";
+/// Silhouette of a fragment, for shadow maps.
+pub const FEATHER_PREPASS: &str = "embedded://bevy_plumage/shaders/feather_prepass.wgsl";
+/// Classification of cards.
+pub const FEATHER_LOD: &str = "embedded://bevy_plumage/shaders/feather_lod.wgsl";
+
+pub(crate) struct ShadersPlugin;
+
+impl Plugin for ShadersPlugin {
+    fn build(&self, app: &mut App) {
+        load_shader_library!(app, "math.wgsl");
+        load_shader_library!(app, "masking.wgsl");
+        load_shader_library!(app, "query.wgsl");
+        load_shader_library!(app, "anatomy.wgsl");
+        load_shader_library!(app, "scattering.wgsl");
+        load_shader_library!(app, "sheen.wgsl");
+        load_shader_library!(app, "feather_data.wgsl");
+        load_shader_library!(app, "feather_io.wgsl");
+        load_shader_library!(app, "feather_pattern.wgsl");
+        load_shader_library!(app, "feather_bindings.wgsl");
+        load_shader_library!(app, "feather_lighting.wgsl");
+        embedded_asset!(app, "feather_vertex.wgsl");
+        embedded_asset!(app, "feather.wgsl");
+        embedded_asset!(app, "feather_prepass.wgsl");
+        embedded_asset!(app, "feather_lod.wgsl");
+    }
+}

@@ -1,0 +1,344 @@
+//! The whole feather, importance sampling and sheen.
+
+use bevy_plumage::scattering::{reference::uniform, *};
+use rand_pcg::Pcg64Mcg;
+use std::f64::consts::PI;
+
+fn fibres() -> [Fibre; 4] {
+    let structural = |core_radius| Fibre {
+        kind: FibreKind::Structural { core_radius },
+        ..Fibre::default()
+    };
+    [
+        Fibre::default(),
+        structural(0.8),
+        structural(0.5),
+        Fibre {
+            longitudinal_roughness: 0.4,
+            ..structural(0.0)
+        },
+    ]
+}
+
+fn unit(a: [f64; 3]) -> [f64; 3] {
+    let l = a.iter().map(|x| x * x).sum::<f64>().sqrt();
+    a.map(|x| x / l)
+}
+
+fn prepare(
+    fibre: &Fibre,
+    tangent: [f64; 3],
+    normal: [f64; 3],
+    omega_o: [f64; 3],
+    albedo: [f64; 3],
+) -> FibreShading<f64> {
+    let table = FibreTable::build(fibre);
+    let o = fibre_local(tangent, normal, omega_o);
+    let cos = (o[1] * o[1] + o[2] * o[2]).sqrt();
+    fibre_shading(&table.fibre(), &table.row(cos), albedo, o, 0.0, 8)
+}
+
+/// The four parts on a card whose normal is +z, tangents fanned out in its plane.
+fn parts(
+    omega_o: [f64; 3],
+    weights: [f64; 4],
+    coverage: [f64; 4],
+    white: bool,
+) -> [FeatherPart<f64>; 4] {
+    let normal = [0.0, 0.0, 1.0];
+    let list = fibres();
+    std::array::from_fn(|i| {
+        let turn = 0.8 * i as f64;
+        let tangent = [turn.sin(), turn.cos(), 0.0];
+        let mut shading = prepare(&list[i], tangent, normal, omega_o, [0.995; 3]);
+        if white {
+            let table = FibreTable::build(&list[i]);
+            let o = fibre_local(tangent, normal, omega_o);
+            let row = table.row((o[1] * o[1] + o[2] * o[2]).sqrt());
+            shading.energy = row[0].map(|e| [e; 3]);
+            shading.dense = [0.0; 3];
+        }
+        FeatherPart {
+            weight: weights[i],
+            coverage: coverage[i],
+            tangent,
+            shading,
+        }
+    })
+}
+
+/// Evenly spread directions on the sphere.
+fn sphere(count: usize) -> impl Iterator<Item = [f64; 3]> {
+    let golden = PI * (3.0 - 5.0_f64.sqrt());
+    (0..count).map(move |i| {
+        let z = 1.0 - 2.0 * (i as f64 + 0.5) / count as f64;
+        let r = (1.0 - z * z).sqrt();
+        let (s, c) = (golden * i as f64).sin_cos();
+        [r * c, r * s, z]
+    })
+}
+
+#[test]
+fn a_white_feather_passes_the_furnace() {
+    let mut worst: f64 = 0.0;
+    for (weights, through) in [([0.1, 0.3, 0.4, 0.2], 0.0), ([0.0, 0.25, 0.25, 0.1], 0.4)] {
+        for o in [
+            [0.0, 0.0, 1.0],
+            [0.5, 0.1, 0.6],
+            [-0.9, 0.3, 0.15],
+            [0.3, 0.3, -0.8],
+        ] {
+            let p = parts(unit(o), weights, [0.0; 4], true);
+            let n = 60_000;
+            let sum: f64 = sphere(n)
+                .map(|i| feather_bsdf(&p, [0.0, 0.0, 1.0], i)[1])
+                .sum::<f64>()
+                * 4.0
+                * PI
+                / n as f64;
+            worst = worst.max((sum + through - 1.0).abs());
+            assert!(
+                (sum + through - 1.0).abs() < 0.02,
+                "{o:?}: {}",
+                sum + through
+            );
+        }
+    }
+    println!("white furnace of the feather: worst {worst:.4}");
+}
+
+#[test]
+fn self_shadow_bounds_grazing_light() {
+    let coverage = 0.6;
+    for elevation in [90.0, 30.0, 15.0, 5.0, 2.0_f64] {
+        let e = elevation.to_radians();
+        // Light across the fibre: what one period receives is sin(e), what its fibre scatters is coverage times K summed.
+        let light = [e.cos(), 0.0, e.sin()];
+        let local = fibre_local([0.0, 1.0, 0.0], [0.0, 0.0, 1.0], light);
+        let seen = light_visibility(light[2], coverage, (1.0 - local[0] * local[0]).sqrt());
+        assert!(coverage * seen <= light[2] + 1e-9, "{elevation}: {seen}");
+        assert!(coverage * seen >= 0.59 * light[2]);
+    }
+    assert_eq!(light_visibility(0.0, 0.6, 1.0), 0.0);
+    assert!(light_visibility(f64::NAN, f64::NAN, f64::NAN).is_finite());
+}
+
+#[test]
+fn light_from_behind_comes_through() {
+    let o = [0.0, 0.0, 1.0];
+    let normal = [0.0, 0.0, 1.0];
+    let i = unit([0.2, 0.0, -0.9]);
+    let p = parts(o, [0.0, 0.0, 0.0, 1.0], [0.0; 4], false);
+    assert!(feather_bsdf(&p, normal, i)[0] > 0.05);
+    let p = parts(o, [f64::NAN, -1.0, 0.0, 0.0], [0.0; 4], false);
+    assert_eq!(feather_bsdf(&p, normal, i), [0.0; 3]);
+}
+
+#[test]
+fn samples_have_the_density_they_claim() {
+    let mut random = Pcg64Mcg::new(11);
+    for fibre in fibres() {
+        for theta in [0.0, 0.7, 1.3_f64] {
+            let o = [theta.sin(), 0.6 * theta.cos(), 0.8 * theta.cos()];
+            let table = FibreTable::build(&fibre);
+            let s = fibre_shading(
+                &table.fibre(),
+                &table.row(theta.cos()),
+                [0.7, 0.4, 0.2],
+                o,
+                0.0,
+                8,
+            );
+            let albedo: f64 = s.energy.iter().map(|e| e[1]).sum();
+            let n = 40_000;
+            let (rings, sectors) = (10, 12);
+            let mut seen = vec![0.0; rings * sectors];
+            let mut mean = 0.0;
+            for _ in 0..n {
+                let u = [0; 4].map(|_| uniform(&mut random));
+                let Some(sample) = fibre_sample(&s, u) else {
+                    continue;
+                };
+                let d = sample.direction;
+                assert!((d.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-9);
+                assert!((fibre_pdf(&s, d) - sample.pdf).abs() <= 1e-9 * sample.pdf);
+                mean += sample.weight[1] / n as f64;
+                let ring = ((d[0] + 1.0) * 0.5 * rings as f64) as usize;
+                let sector = ((d[1].atan2(d[2]) + PI) / (2.0 * PI) * sectors as f64) as usize;
+                seen[ring.min(rings - 1) * sectors + sector.min(sectors - 1)] += 1.0;
+            }
+            assert!(
+                (mean / albedo - 1.0).abs() < 0.01,
+                "{fibre:?} {theta}: {mean} {albedo}"
+            );
+            // Expected counts by integrating the density over each bin.
+            let (mut chi, mut freedom, mut total) = (0.0, 0.0, 0.0);
+            for ring in 0..rings {
+                for sector in 0..sectors {
+                    let fine = 16;
+                    let mut expected = 0.0;
+                    for k in 0..fine * fine {
+                        let x = -1.0
+                            + 2.0 * (ring as f64 + (f64::from(k % fine) + 0.5) / f64::from(fine))
+                                / rings as f64;
+                        let a = -PI
+                            + 2.0
+                                * PI
+                                * (sector as f64 + (f64::from(k / fine) + 0.5) / f64::from(fine))
+                                / sectors as f64;
+                        let c = (1.0 - x * x).sqrt();
+                        expected += fibre_pdf(&s, [x, c * a.sin(), c * a.cos()]);
+                    }
+                    let area = 4.0 * PI / (rings * sectors) as f64;
+                    let expected = expected / f64::from(fine * fine) * area;
+                    total += expected;
+                    if expected * f64::from(n) > 20.0 {
+                        chi += (seen[ring * sectors + sector] - expected * f64::from(n)).powi(2)
+                            / (expected * f64::from(n));
+                        freedom += 1.0;
+                    }
+                }
+            }
+            assert!(
+                (total - 1.0).abs() < 0.01,
+                "{fibre:?} {theta}: pdf sums to {total}"
+            );
+            let limit = freedom + 5.0 * (2.0 * f64::sqrt(freedom * 0.5 * 4.0)) * 0.5 + 10.0;
+            assert!(chi < limit, "{fibre:?} {theta}: chi2 {chi} of {freedom}");
+        }
+    }
+}
+
+#[test]
+fn sampling_survives_its_edges() {
+    let table = FibreTable::build(&Fibre::default());
+    let s = fibre_shading(
+        &table.fibre(),
+        &table.row(0.0),
+        [0.0, 1.0, f64::NAN],
+        [1.0, 0.0, 0.0],
+        1.0,
+        8,
+    );
+    let edge = 1.0 - 0.5_f64.powi(24);
+    for a in [0.0, edge, 1.0] {
+        for b in [0.0, edge, f64::NAN] {
+            if let Some(sample) = fibre_sample(&s, [a, b, a, b]) {
+                assert!(
+                    sample
+                        .direction
+                        .iter()
+                        .chain(&sample.weight)
+                        .all(|x| x.is_finite())
+                        && sample.pdf > 0.0
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_sheen_table_is_read_the_right_way_round() {
+    let at = |i: usize, j: usize| sheen_table()[i * SHEEN_TABLE_SIZE + j];
+    assert!((at(1, 2)[0] - 0.018_95).abs() < 1e-5 && (at(1, 2)[1] + 0.002_18).abs() < 1e-5);
+    assert!((at(1, 2)[2] - 0.097_68).abs() < 1e-5);
+    assert!((at(0, 31)[2] - 0.749_73).abs() < 1e-5 && (at(31, 31)[2] - 0.341_875).abs() < 1e-6);
+    let mut before = f64::INFINITY;
+    for k in 0..32 {
+        let r = sheen_lookup(f64::from(k) / 31.0, 0.5)[2];
+        assert!(r < before, "sheen must fall from grazing to head on");
+        before = r;
+    }
+    assert!((sheen_lookup(0.25, 0.5_f64)[2] - 0.368).abs() < 0.004);
+    assert_eq!(sheen_row(0.5)[31][2], sheen_lookup(1.0_f32, 0.5)[2]);
+}
+
+#[test]
+fn sheen_scatters_exactly_its_albedo() {
+    let n = [0.0, 0.0, 1.0];
+    for alpha in [0.1, 0.2, 0.5, 1.0_f64] {
+        for cos in [0.02, 0.1, 0.3, 0.7, 1.0_f64] {
+            let ltc = sheen_lookup(cos, alpha);
+            if ltc[2] < 1e-4 {
+                continue;
+            }
+            let o = [(1.0 - cos * cos).sqrt(), 0.0, cos];
+            // Squares in z crowd samples at the horizon, where the lobe is.
+            let (rings, sectors) = (3000, 900);
+            let mut sum = 0.0;
+            for i in 0..rings {
+                let t = (f64::from(i) + 0.5) / f64::from(rings);
+                let (z, dz) = (t.powi(3), 3.0 * t * t / f64::from(rings));
+                let r = (1.0 - z * z).sqrt();
+                for k in 0..sectors {
+                    // Crowd around azimuth 0, where a narrow lobe is too.
+                    let v = -1.0 + 2.0 * (f64::from(k) + 0.5) / f64::from(sectors);
+                    let (phi, dphi) = (PI * v.powi(3), PI * 3.0 * v * v * 2.0 / f64::from(sectors));
+                    sum += sheen_evaluate(ltc, n, o, [r * phi.cos(), r * phi.sin(), z]) * dz * dphi;
+                }
+            }
+            assert!(
+                (sum / ltc[2] - 1.0).abs() < 2e-3,
+                "alpha {alpha} cos {cos}: {sum} against {}",
+                ltc[2]
+            );
+            assert!(sheen_albedo(ltc, 0.3) <= 0.3 && sheen_albedo(ltc, f64::NAN) == 0.0);
+        }
+    }
+    let ltc = sheen_lookup(0.5, 0.5_f64);
+    assert_eq!(
+        sheen_evaluate(ltc, n, [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]),
+        0.0
+    );
+    assert_eq!(
+        sheen_evaluate(ltc, n, [0.0, 0.0, f64::NAN], [0.0, 0.0, 1.0]),
+        0.0
+    );
+    assert!(sheen_evaluate(ltc, n, [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]).is_finite());
+}
+
+#[test]
+fn multiple_scattering_returns_the_wanted_albedo() {
+    for p in [0.0, 0.3, 0.5, 0.9] {
+        for a in [0.0, 0.1, 0.5, 1.0_f64] {
+            let one = single_scattering_albedo([a; 3], p);
+            let more = multiple_scattering(one, p);
+            assert!(((1.0 - p) * one[0] + more[0] - a).abs() < 1e-12);
+        }
+    }
+    assert!(single_scattering_albedo([f64::NAN; 3], f64::NAN)[0].is_finite());
+    assert!(multiple_scattering([1.0_f64; 3], 1.0)[0].is_finite());
+}
+
+#[test]
+fn the_printed_model_loses_energy_where_the_study_says() {
+    use published::{PublishedFibre, published_evaluate};
+    let fibre = PublishedFibre {
+        eta: 1.55,
+        core: 0.8,
+        reflectance: 1.0,
+        absorption: 0.0,
+        longitudinal_roughness: 0.1,
+        azimuthal_roughness: 0.3,
+        tilt: 0.0,
+        nodes: 32,
+    };
+    let furnace = |theta_o: f64| {
+        let (n, m) = (600, 24);
+        let mut sum = 0.0;
+        for i in 0..n {
+            let t = -0.5 * PI + PI * (f64::from(i) + 0.5) / f64::from(n);
+            for k in 0..m {
+                let phi = 2.0 * PI * (f64::from(k) + 0.5) / f64::from(m);
+                sum += published_evaluate(&fibre, t, theta_o, phi) * t.cos() * PI / f64::from(n)
+                    * 2.0
+                    * PI
+                    / f64::from(m);
+            }
+        }
+        sum
+    };
+    let (head_on, grazing) = (furnace(0.0), furnace(1.5));
+    println!("printed model, white furnace: {head_on:.3} head on, {grazing:.3} at 1.5");
+    assert!((head_on - 0.937).abs() < 0.01 && grazing < 0.85);
+}
