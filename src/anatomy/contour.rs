@@ -112,8 +112,7 @@ impl Contour {
     /// Reach of the barb rooted at `root`, linear between samples; 0 below the vane.
     pub fn reach(&self, side: Side, root: f32) -> f32 {
         let values = self.side(side);
-        // `!(>=)` also catches a root that is not a number.
-        if !(root >= self.start) || values.is_empty() {
+        if root.is_nan() || root < self.start || values.is_empty() {
             return 0.0;
         }
         let last = values.len() - 1;
