@@ -112,8 +112,7 @@ impl Contour {
     /// Reach of the barb rooted at `root`, linear between samples; 0 below the vane.
     pub fn reach(&self, side: Side, root: f32) -> f32 {
         let values = self.side(side);
-        // `!(>=)` also catches a root that is not a number.
-        if !(root >= self.start) || values.is_empty() {
+        if root.is_nan() || root < self.start || values.is_empty() {
             return 0.0;
         }
         let last = values.len() - 1;
@@ -138,7 +137,8 @@ impl Contour {
     /// Outline with splits (Eq. 3-5). Both sides form one closed contour of N_v samples, up the left and down the right; a
     /// Perlin noise over it weighs the samples, the K highest peaks become the middles of splits, and each split pulls the
     /// barbs around it in by `depth` times a Gaussian of deviation `width`. In this form a point moves along its own barb, so
-    /// Eq. 5 is `reach *= 1 - A eps`. Peaks, and not the K highest samples: those would all sit on one peak.
+    /// Eq. 5 is `reach *= 1 - A eps`. Peaks, and not the K highest samples: those would all sit on one peak. The short barbs
+    /// at the tip and the base are spared.
     pub fn perturbed(&self, gaps: &Gaps) -> Self {
         let mut result = self.clone();
         let (left, right) = (self.left.len(), self.right.len());
@@ -180,7 +180,7 @@ impl Contour {
         result
     }
 
-    /// Outline as a closed polyline in canonical space, up the left side and down the right.
+    /// Outline as a closed polyline in canonical space, from the base up the left side and down the right.
     pub fn polyline(&self, barb_angles: [f32; 2]) -> Vec<[f32; 2]> {
         let point = |side: Side, angle: f32, values: &[f32], i: usize| {
             let steps = values.len().saturating_sub(1).max(1) as f32;
@@ -192,7 +192,8 @@ impl Contour {
         let right = (0..self.right.len())
             .rev()
             .map(|i| point(Side::Right, barb_angles[1], &self.right, i));
-        left.chain(right).collect()
+        let base = std::iter::once([0.0, self.start]);
+        base.chain(left).chain(right).collect()
     }
 }
 

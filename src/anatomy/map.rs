@@ -126,8 +126,9 @@ fn smooth_step<T: Float>(low: T, high: T, x: T) -> T {
 }
 
 /// How far the barbules at a point hook into a closed vane, 0 (loose) to 1. They do not in the outer `fringe` share of a barb
-/// and below the height `downy`; both fade over a tenth (of the barb, of the feather). `distance` is |x|, `root` is [`barb_root`].
-pub fn hooked<T: Float>(distance: T, root: T, reach: T, fringe: T, downy: T) -> T {
+/// and below the height `downy`; both fade over a tenth (of the barb, of the feather). `distance` is |x|, `height` is y: the barbs at
+/// the border are downy at their root and hooked further out.
+pub fn hooked<T: Float>(distance: T, height: T, reach: T, fringe: T, downy: T) -> T {
     let fade = c::<T>(0.1);
     let share = distance / reach.max(c(1e-5));
     let edge = T::one() - fringe;
@@ -137,7 +138,7 @@ pub fn hooked<T: Float>(distance: T, root: T, reach: T, fringe: T, downy: T) -> 
         T::one()
     };
     let down = if downy > T::zero() {
-        smooth_step(downy - fade, downy + fade, root)
+        smooth_step(downy - fade, downy + fade, height)
     } else {
         T::one()
     };

@@ -9,6 +9,8 @@ mod pattern;
 pub mod presets;
 mod rachis;
 mod table1;
+#[cfg(test)]
+mod tests;
 mod validate;
 
 pub use contour::{CONTOUR_ROWS, RACHIS_ROWS, ShapeTable};

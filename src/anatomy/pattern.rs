@@ -81,6 +81,9 @@ impl Canvas<'_> {
         if let Some((width, rgb, tint)) = pattern.rim {
             let soft = (width * 0.35).max(0.02);
             let rim = 1.0 - hermite(width - soft, width + soft, self.inset(side, point));
+            // Down has no rim.
+            let downy = self.feather.vane(side).downy;
+            let rim = rim * hermite(downy - 0.02, downy + 0.15, y);
             colour = blend(colour, with_tint(rgb, tint), rim);
         }
         if pattern.mottle > 0.0 {

@@ -72,12 +72,12 @@ fn hermite_step(low: f32, high: f32, x: f32) -> f32 {
     return t * t * (3.0 - 2.0 * t);
 }
 
-// How far the barbules hook into a closed vane, 0..1; x_distance is |x|, root is barb_root.
-fn hooked(x_distance: f32, root: f32, reach: f32, fringe: f32, downy: f32) -> f32 {
+// How far the barbules hook into a closed vane, 0..1; x_distance is |x|, height is y.
+fn hooked(x_distance: f32, height: f32, reach: f32, fringe: f32, downy: f32) -> f32 {
     let share = x_distance / max(reach, 1e-5);
     let edge = 1.0 - fringe;
     let rim = select(1.0, 1.0 - hermite_step(edge - 0.1, edge + 0.1, share), fringe > 0.0);
-    let down = select(1.0, hermite_step(downy - 0.1, downy + 0.1, root), downy > 0.0);
+    let down = select(1.0, hermite_step(downy - 0.1, downy + 0.1, height), downy > 0.0);
     return rim * down;
 }
 

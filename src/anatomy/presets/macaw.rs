@@ -137,7 +137,7 @@ pub(super) fn all() -> Vec<Template> {
             left: LANCEOLATE,
             right: LANCEOLATE,
             micro: Micro {
-                shaft: [0.16, 0.1, 0.03],
+                shaft: [0.09, 0.05, 0.02],
                 downy: 0.1,
                 ..HEAD
             },

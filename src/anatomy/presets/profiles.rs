@@ -4,7 +4,7 @@ use super::template::Profile;
 
 /// Broad and round, as on the body.
 pub(super) const ROUND: Profile = Profile::new(
-    &[(0.0, 0.62), (0.25, 0.88), (0.55, 1.0), (1.0, 0.97)],
+    &[(0.0, 0.4), (0.32, 0.8), (0.6, 1.0), (1.0, 0.97)],
     0.66,
     (2.1, 2.0),
 );
@@ -16,19 +16,19 @@ pub(super) const SCALE: Profile = Profile::new(
 );
 /// Round with a flat end.
 pub(super) const BLUNT: Profile = Profile::new(
-    &[(0.0, 0.55), (0.3, 0.88), (0.65, 1.0), (1.0, 0.98)],
+    &[(0.0, 0.4), (0.32, 0.8), (0.66, 1.0), (1.0, 0.98)],
     0.72,
     (2.4, 2.0),
 );
 /// Widest near the end.
 pub(super) const SPADE: Profile = Profile::new(
-    &[(0.0, 0.4), (0.25, 0.68), (0.68, 1.0), (1.0, 0.98)],
+    &[(0.0, 0.3), (0.3, 0.66), (0.68, 1.0), (1.0, 0.98)],
     0.7,
     (2.3, 2.0),
 );
 /// Loose and rather pointed.
 pub(super) const SOFT: Profile = Profile::new(
-    &[(0.0, 0.7), (0.25, 0.95), (0.5, 1.0), (1.0, 0.8)],
+    &[(0.0, 0.5), (0.3, 0.86), (0.55, 1.0), (1.0, 0.8)],
     0.5,
     (1.9, 1.7),
 );
@@ -40,13 +40,13 @@ pub(super) const TUFT: Profile = Profile::new(
 );
 /// Oblong with a round end, as the greater coverts.
 pub(super) const OBLONG: Profile = Profile::new(
-    &[(0.0, 0.5), (0.3, 0.85), (0.6, 1.0), (1.0, 0.97)],
+    &[(0.0, 0.3), (0.28, 0.76), (0.58, 1.0), (1.0, 0.97)],
     0.78,
     (2.2, 2.0),
 );
 /// Oblong with a fuller end: the trailing vane of a covert or secondary.
 pub(super) const OBLONG_FULL: Profile = Profile::new(
-    &[(0.0, 0.5), (0.25, 0.9), (0.6, 1.0), (1.0, 0.98)],
+    &[(0.0, 0.3), (0.28, 0.74), (0.58, 1.0), (1.0, 0.98)],
     0.84,
     (2.3, 2.0),
 );
@@ -65,9 +65,9 @@ pub(super) const POINTED_LEADING: Profile = Profile::new(
 /// Trailing vane of a pointed primary.
 pub(super) const POINTED_TRAILING: Profile = Profile::new(
     &[
-        (0.0, 0.6),
-        (0.12, 0.9),
-        (0.35, 1.0),
+        (0.0, 0.35),
+        (0.14, 0.72),
+        (0.34, 1.0),
         (0.5, 0.94),
         (0.75, 0.62),
         (1.0, 0.5),
@@ -110,9 +110,9 @@ pub(super) const REMEX_LEADING: Profile = Profile::new(
 /// Trailing vane of a plain remex.
 pub(super) const REMEX_TRAILING: Profile = Profile::new(
     &[
-        (0.0, 0.55),
-        (0.1, 0.85),
-        (0.4, 1.0),
+        (0.0, 0.3),
+        (0.2, 0.66),
+        (0.42, 1.0),
         (0.75, 0.97),
         (1.0, 0.9),
     ],
@@ -135,9 +135,9 @@ pub(super) const LANCE: Profile = Profile::new(
 /// Round-square end, as in a broad tail.
 pub(super) const SQUARE: Profile = Profile::new(
     &[
-        (0.0, 0.6),
-        (0.12, 0.85),
-        (0.5, 0.96),
+        (0.0, 0.4),
+        (0.16, 0.75),
+        (0.42, 0.94),
         (0.8, 1.0),
         (1.0, 0.98),
     ],

@@ -1,0 +1,132 @@
+//! The WGSL twins of `anatomy::map`.
+
+mod common;
+
+use bevy_plumage::anatomy::map;
+use rand::{RngExt, SeedableRng};
+
+const FILES: [&str; 2] = ["math.wgsl", "anatomy.wgsl"];
+const COUNT: usize = 4000;
+const INPUTS: usize = 16;
+const OUTPUTS: usize = 12;
+
+const TEXT: &str = "
+#import bevy_plumage::anatomy::{
+    canonical_footprint, barb_root, contour_coverage, vane_start_coverage, hooked, barbule_factor, barb_jitter, contour_row,
+}
+fn evaluate(i: u32) {
+    let k = i * 16u;
+    let at = canonical_footprint(
+        vec2(input[k], input[k + 1u]), vec2(input[k + 2u], input[k + 3u]), vec2(input[k + 4u], input[k + 5u]),
+        input[k + 6u], input[k + 7u], input[k + 8u]);
+    let angle = input[k + 9u];
+    let reach = input[k + 10u];
+    let root = barb_root(at.mean, angle);
+    let o = i * 12u;
+    output[o] = at.mean.x;
+    output[o + 1u] = at.mean.y;
+    output[o + 2u] = at.cov.x;
+    output[o + 3u] = at.cov.y;
+    output[o + 4u] = at.cov.z;
+    output[o + 5u] = root;
+    output[o + 6u] = contour_coverage(at.mean, at.cov, reach, input[k + 11u], angle);
+    output[o + 7u] = vane_start_coverage(at.mean, at.cov, input[k + 12u], angle);
+    output[o + 8u] = hooked(abs(at.mean.x), at.mean.y, reach, input[k + 13u], input[k + 14u]);
+    output[o + 9u] = barbule_factor(output[o + 8u]);
+    output[o + 10u] = barb_jitter(i32(input[k + 15u]), i);
+    output[o + 11u] = contour_row(root, input[k + 12u], 256.0);
+}";
+
+#[test]
+fn shader_and_crate_agree() {
+    let mut random = rand_pcg::Pcg64::seed_from_u64(5);
+    let mut input = Vec::with_capacity(COUNT * INPUTS);
+    for i in 0..COUNT {
+        let mut span = |low: f32, high: f32| low + (high - low) * random.random::<f32>();
+        // Pixels from a twentieth of the feather down to a barbule's width.
+        let size = 10f32.powf(span(-5.0, -1.3));
+        let reach = if i % 10 == 0 { 0.0 } else { span(0.0, 0.3) };
+        input.extend([
+            span(0.0, 1.0),
+            span(0.0, 1.0),
+            size * span(-1.0, 1.0),
+            size * span(-1.0, 1.0),
+            size * span(-1.0, 1.0),
+            size * span(-1.0, 1.0),
+            span(0.2, 0.8),
+            span(-0.6, 0.6),
+            span(0.02, 1.2),
+            span(0.1, 1.4),
+            reach,
+            if i % 7 == 0 {
+                span(-20.0, 20.0)
+            } else {
+                span(-1.0, 1.0)
+            },
+            span(0.0, 0.3),
+            if i % 5 == 0 { 0.0 } else { span(0.0, 1.0) },
+            if i % 6 == 0 { 0.0 } else { span(0.0, 1.0) },
+            span(-3000.0, 3000.0).round(),
+        ]);
+    }
+    let Some(gpu) = common::gpu::run(&FILES, TEXT, &input, COUNT, COUNT * OUTPUTS) else {
+        return;
+    };
+    for (i, (x, got)) in input.chunks(INPUTS).zip(gpu.chunks(OUTPUTS)).enumerate() {
+        let at =
+            map::canonical_footprint([x[0], x[1]], [x[2], x[3]], [x[4], x[5]], x[6], x[7], x[8]);
+        let root = map::barb_root(at.mean, x[9]);
+        let hooked = map::hooked(at.mean[0].abs(), at.mean[1], x[10], x[13], x[14]);
+        let plain = [
+            at.mean[0], at.mean[1], at.cov[0], at.cov[1], at.cov[2], root,
+        ];
+        for k in 0..6 {
+            let tolerance = 1e-6 + 2e-5 * plain[k].abs();
+            assert!(
+                (got[k] - plain[k]).abs() <= tolerance,
+                "case {i} output {k}: {} against {}",
+                got[k],
+                plain[k]
+            );
+        }
+        assert!(
+            (got[8] - hooked).abs() < 1e-4,
+            "case {i} hooked: {} against {hooked}",
+            got[8]
+        );
+        assert!((got[9] - map::barbule_factor(hooked)).abs() < 1e-4);
+        assert_eq!(
+            got[10],
+            map::barb_jitter::<f32>(x[15] as i32, i as u32),
+            "case {i} jitter"
+        );
+        let row = map::contour_row(root, x[12], 256.0);
+        assert!(
+            (got[11] - row).abs() < 0.01,
+            "case {i} row: {} against {row}",
+            got[11]
+        );
+        // A step over a footprint far smaller than the rounding of the point itself may fall on either side: the last
+        // bits of the distance count in units of the footprint.
+        for (k, value) in [
+            (
+                6,
+                map::contour_coverage(at.mean, at.cov, x[10], x[11], x[9]),
+            ),
+            (7, map::vane_start_coverage(at.mean, at.cov, x[12], x[9])),
+        ] {
+            let sigma = at.cov[0].max(at.cov[2]).sqrt().max(1e-7);
+            let tolerance = 1e-4 + 2e-6 / sigma;
+            assert!(
+                (0.0..=1.0).contains(&got[k]),
+                "case {i} output {k}: {}",
+                got[k]
+            );
+            assert!(
+                (got[k] - value).abs() <= tolerance,
+                "case {i} output {k}: {} against {value}",
+                got[k]
+            );
+        }
+    }
+}
