@@ -110,10 +110,13 @@ impl<'a> Builder<'a> {
             segments: look.segments,
             tint: Tint(srgb(look.tint.0), srgb(look.tint.1)),
             jitter: Jitter {
+                length: 0.012,
+                width: 0.03,
                 yaw: 0.5,
-                roll: 1.0,
-                lift: 0.5,
-                ..Jitter::default()
+                roll: 0.7,
+                lift: 0.3,
+                hue: 1.0,
+                value: 0.03,
             },
         }
     }
@@ -201,7 +204,7 @@ impl<'a> Builder<'a> {
                     self.bind.direction(self.bind.azimuths[0] + 90.0) * (0.6 * self.species.arm[0]);
                 let root = self.on_skin(along + behind, -1.0);
                 let direction = self.bind.direction(80.0 + 15.0 * (1.0 - t));
-                let follow = vec![joint("humerus_L", 0.4), joint("ulna_L", 0.6)];
+                let follow = vec![joint("humerus_L", 0.15), joint("ulna_L", 0.85)];
                 (root, direction, -n, vec![joint("humerus_L", 1.0)], follow)
             }
             _ => self.rectrix(index),
