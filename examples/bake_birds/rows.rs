@@ -133,7 +133,7 @@ impl<'a> Builder<'a> {
                 let (root, ride) = self.hand_point(number, 0.6);
                 let direction = self.bind.direction(self.bind.primary(number));
                 (
-                    root - n * (step * (index as f32 + 7.0)),
+                    root - n * (step * (index as f32 + 10.0)),
                     direction,
                     self.tilt(direction, 2.5),
                     ride,
@@ -170,13 +170,17 @@ impl<'a> Builder<'a> {
             "primary_coverts" | "median_primary" | "under_primary" | "under_median_primary" => {
                 let number = 1.0 + 9.0 * t;
                 let (back, side) = match name {
-                    "primary_coverts" => (0.35, 1.0),
+                    "primary_coverts" => (0.75, 1.0),
                     "median_primary" => (0.0, 1.0),
                     "under_primary" => (0.35, -1.0),
                     _ => (0.0, -1.0),
                 };
                 let (point, ride) = self.hand_point(number, back);
-                let root = self.on_skin(point, side);
+                // The coverts of the primaries come out of the trailing skin, so that the folded hand stays below the forearm's.
+                let root = match name {
+                    "primary_coverts" => point + n * (1.0 * s),
+                    _ => self.on_skin(point, side),
+                };
                 let azimuth = self.bind.primary(number) - 3.0;
                 let direction = self.bind.direction(azimuth);
                 (root, direction, n * side, ride, self.primary_follow(number))
