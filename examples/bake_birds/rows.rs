@@ -110,10 +110,13 @@ impl<'a> Builder<'a> {
             segments: look.segments,
             tint: Tint(srgb(look.tint.0), srgb(look.tint.1)),
             jitter: Jitter {
+                length: 0.012,
+                width: 0.03,
                 yaw: 0.5,
-                roll: 1.0,
-                lift: 0.5,
-                ..Jitter::default()
+                roll: 0.7,
+                lift: 0.3,
+                hue: 1.0,
+                value: 0.03,
             },
         }
     }
@@ -130,7 +133,7 @@ impl<'a> Builder<'a> {
                 let (root, ride) = self.hand_point(number, 0.6);
                 let direction = self.bind.direction(self.bind.primary(number));
                 (
-                    root - n * (step * (index as f32 + 7.0)),
+                    root - n * (step * (index as f32 + 10.0)),
                     direction,
                     self.tilt(direction, 2.5),
                     ride,
@@ -167,13 +170,17 @@ impl<'a> Builder<'a> {
             "primary_coverts" | "median_primary" | "under_primary" | "under_median_primary" => {
                 let number = 1.0 + 9.0 * t;
                 let (back, side) = match name {
-                    "primary_coverts" => (0.35, 1.0),
+                    "primary_coverts" => (0.75, 1.0),
                     "median_primary" => (0.0, 1.0),
                     "under_primary" => (0.35, -1.0),
                     _ => (0.0, -1.0),
                 };
                 let (point, ride) = self.hand_point(number, back);
-                let root = self.on_skin(point, side);
+                // The coverts of the primaries come out of the trailing skin, so that the folded hand stays below the forearm's.
+                let root = match name {
+                    "primary_coverts" => point + n * (1.0 * s),
+                    _ => self.on_skin(point, side),
+                };
                 let azimuth = self.bind.primary(number) - 3.0;
                 let direction = self.bind.direction(azimuth);
                 (root, direction, n * side, ride, self.primary_follow(number))
@@ -201,7 +208,7 @@ impl<'a> Builder<'a> {
                     self.bind.direction(self.bind.azimuths[0] + 90.0) * (0.6 * self.species.arm[0]);
                 let root = self.on_skin(along + behind, -1.0);
                 let direction = self.bind.direction(80.0 + 15.0 * (1.0 - t));
-                let follow = vec![joint("humerus_L", 0.4), joint("ulna_L", 0.6)];
+                let follow = vec![joint("humerus_L", 0.15), joint("ulna_L", 0.85)];
                 (root, direction, -n, vec![joint("humerus_L", 1.0)], follow)
             }
             _ => self.rectrix(index),

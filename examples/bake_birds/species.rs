@@ -241,7 +241,7 @@ pub fn macaw() -> Species {
             wrist: 28.,
             roll: 70.,
             push: 9.,
-            tuck: 2.4,
+            tuck: 2.2,
         },
         bind: WingPose {
             azimuth: 45.,

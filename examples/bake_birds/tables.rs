@@ -98,7 +98,7 @@ pub const MACAW: &[TractRow] = &[
     row("belly", &[Belly], "soft", 90, 0, (32., 44.), (20., 26.), (12., 12.), (0.10, 15.), (0.25, 420., CONTOUR), (0xB8221A, 0xB8221A)),
     row("flanks", &[Flank], "soft", 190, 0, (36., 56.), (22., 30.), (12., 12.), (0.10, 15.), (0.25, 400., CONTOUR), (0xB8221A, 0xB8221A)),
     row("vent", &[Vent], "soft", 46, 0, (28., 40.), (16., 22.), (12., 12.), (0.08, 10.), (0.25, 300., CONTOUR), (0xB8221A, 0x6BAFD8)),
-    row("filler", TRUNK, "semiplume", 170, 0, (14., 22.), (14., 18.), (2., 2.), (0., 0.), (0., 0., LESSER), (0xB88078, 0xB88078)),
+    row("filler", TRUNK, "semiplume", 170, 0, (14., 22.), (14., 18.), (2., 2.), (0., 0.), (0., 0., LESSER), (0xB0584C, 0xB0584C)),
     row("lesser_upper", &[LesserUpper], "lesser", 640, 7, (14., 30.), (11., 16.), (8., 8.), (0.08, 14.), (0.5, 1000., LESSER), (0xC4231A, 0xC4231A)),
     row("marginal_upper", &[MarginalUpper], "lesser", 760, 0, (6., 15.), (5., 9.), (10., 10.), (0.10, 25.), (0.3, 1100., HEAD), (0xC4231A, 0xC4231A)),
     row("lesser_under", &[LesserUnder], "lesser", 500, 7, (13., 27.), (10., 15.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0xB03020, 0xB03020)),
@@ -124,7 +124,7 @@ pub const EAGLE: &[TractRow] = &[
     row("belly", &[Belly], "soft", 84, 0, (55., 75.), (34., 44.), (12., 12.), (0.10, 15.), (0.25, 420., CONTOUR), (0x4A3524, 0x4A3524)),
     row("flanks", &[Flank], "soft", 140, 0, (60., 100.), (36., 48.), (12., 12.), (0.10, 15.), (0.25, 400., CONTOUR), (0x45321F, 0x45321F)),
     row("vent", &[Vent], "soft", 36, 0, (50., 80.), (28., 38.), (12., 12.), (0.08, 10.), (0.25, 300., CONTOUR), (0x6B4E35, 0x6B4E35)),
-    row("filler", TRUNK, "semiplume", 60, 0, (26., 42.), (28., 36.), (2., 2.), (0., 0.), (0., 0., LESSER), (0xA89880, 0xA89880)),
+    row("filler", TRUNK, "semiplume", 60, 0, (26., 42.), (28., 36.), (2., 2.), (0., 0.), (0., 0., LESSER), (0x7A6650, 0x7A6650)),
     row("lesser_upper", &[LesserUpper], "lesser", 540, 7, (30., 62.), (22., 34.), (8., 8.), (0.08, 14.), (0.5, 1000., LESSER), (0x5A4230, 0x5A4230)),
     row("marginal_upper", &[MarginalUpper], "lesser", 660, 0, (10., 28.), (8., 16.), (10., 10.), (0.10, 25.), (0.3, 1100., HEAD), (0x6B4E33, 0x6B4E33)),
     row("lesser_under", &[LesserUnder], "lesser", 380, 6, (28., 58.), (22., 32.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0x4A3524, 0x4A3524)),
@@ -216,7 +216,7 @@ const fn look(
 /// Rows of the macaw.
 #[rustfmt::skip]
 pub const MACAW_ROWS: &[RowLook] = &[
-    look("primaries", "primary", 10, (0., 0.), (46., 28.), (0., 0.06, 6.), (14, 4), (0x1F3F9C, 0x1F3F9C)),
+    look("primaries", "primary", 10, (0., 0.), (46., 28.), (0., 0.06, 3.), (14, 4), (0x1F3F9C, 0x1F3F9C)),
     look("secondaries", "secondary", 12, (0., 0.), (48., 46.), (0., 0.09, 10.), (12, 4), (0x2450AE, 0x2E6F86)),
     look("alula", "primary", 4, (45., 85.), (14., 20.), (3., 0.06, 8.), (6, 2), (0x1F46A6, 0x1F46A6)),
     look("primary_coverts", "greater", 10, (70., 110.), (24., 20.), (1.5, 0.07, 8.), (6, 2), (0x2450AE, 0x2450AE)),
@@ -234,7 +234,7 @@ pub const MACAW_ROWS: &[RowLook] = &[
 /// Rows of the eagle.
 #[rustfmt::skip]
 pub const EAGLE_ROWS: &[RowLook] = &[
-    look("primaries", "primary", 10, (0., 0.), (72., 42.), (0., 0.06, 6.), (16, 4), (0x33271F, 0x33271F)),
+    look("primaries", "primary", 10, (0., 0.), (72., 42.), (0., 0.06, 4.), (16, 4), (0x33271F, 0x33271F)),
     look("secondaries", "secondary", 17, (0., 0.), (75., 66.), (0., 0.09, 10.), (12, 4), (0x3B2E25, 0x3B2E25)),
     look("alula", "primary", 4, (90., 170.), (26., 36.), (3., 0.06, 8.), (6, 2), (0x33271F, 0x33271F)),
     look("primary_coverts", "greater", 10, (130., 190.), (38., 32.), (1.5, 0.07, 8.), (6, 2), (0x3A2B1F, 0x3A2B1F)),

@@ -162,6 +162,15 @@ fn wing(body: &Body, q: Vec3) -> Tract {
     let humerus = crate::body::cone(q, shoulder, elbow, [0.0, 0.0]);
     let inner = humerus.1 < 0.72 && humerus.0 < crate::body::cone(q, elbow, wrist, [0.0, 0.0]).0;
     let on_hand = body.wing.flat(q).x > body.wing.flat(body.wing.points[2]).x;
+    // The tip of the last digit carries only flight feathers: small ones would stand off it.
+    let tip = body.wing.points[4];
+    if (q - wrist).dot(tip - wrist) > 0.92 * (tip - wrist).length_squared() {
+        return if upper {
+            Tract::CovertUpper
+        } else {
+            Tract::CovertUnder
+        };
+    }
     if upper {
         match c {
             c if c < 0.22 => Tract::MarginalUpper,

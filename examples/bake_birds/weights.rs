@@ -141,7 +141,16 @@ fn raw(body: &Body, skeleton: &Skeleton, names: &Names, n: usize, p: Vec3) -> Ve
 
     let core = parts.trunk.distance.min(parts.head.distance);
     legs(body, names, side, &parts.legs, core, q, &mut w);
-    wing(body, names, side, parts.wing, core, q, &mut w);
+    wing(
+        body,
+        names,
+        side,
+        parts.wing,
+        core,
+        parts.trunk.angle,
+        q,
+        &mut w,
+    );
     w
 }
 
@@ -200,11 +209,24 @@ fn legs(
     w[names.hips] += share * (1.0 - used);
 }
 
-fn wing(body: &Body, names: &Names, side: &Side, distance: f32, core: f32, q: Vec3, w: &mut [f32]) {
+fn wing(
+    body: &Body,
+    names: &Names,
+    side: &Side,
+    distance: f32,
+    core: f32,
+    angle: f32,
+    q: Vec3,
+    w: &mut [f32],
+) {
     let s = body.species;
     let [shoulder, elbow, wrist, knuckle, tip] = body.wing.points;
     let reach = if s.is_parrot() { 30.0 } else { 55.0 };
-    let share = smoothstep(-0.35 * reach, 0.35 * reach, core - distance);
+    let nearer = core - distance;
+    // The back stays with the chest: only skin that is clearly on the arm follows it there.
+    let dorsal = 1.0 - smoothstep(50.0, 85.0, angle);
+    let share = smoothstep(-0.35 * reach, 0.35 * reach, nearer)
+        * (1.0 - dorsal * (1.0 - smoothstep(0.0, 0.4 * reach, nearer)));
     if share <= 0.0 {
         return;
     }
