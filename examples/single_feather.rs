@@ -8,7 +8,7 @@ use bevy::{
     prelude::*,
 };
 use bevy_plumage::{
-    groom::{Card, PlumageCards},
+    groom::{Card, CardGeometry, PlumageCards},
     prelude::*,
 };
 use helper::{
@@ -73,6 +73,11 @@ fn spawn(
                 quality,
                 PlumageCards {
                     cards: [card(length, width)].into(),
+                    geometry: [CardGeometry {
+                        first_vertex: 0,
+                        vertex_count: 75,
+                    }]
+                    .into(),
                     groom: Handle::default(),
                     feathers: vec![handle.clone()],
                     owner: entity,

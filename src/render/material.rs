@@ -1,5 +1,6 @@
 //! [`FeatherMaterial`]: the look bound to the GPU.
 
+use crate::query::ErrorBudget;
 use crate::shaders::{FEATHER, FEATHER_PREPASS, FEATHER_VERTEX};
 use bevy::{
     mesh::MeshVertexBufferLayoutRef,
@@ -60,6 +61,17 @@ pub struct FeatherSettings {
     pub debug_view: DebugView,
 }
 
+impl FeatherSettings {
+    /// Threshold of the chooser (range query study, sec. 4) for the error budget.
+    pub fn threshold(&self) -> f32 {
+        ErrorBudget {
+            epsilon: self.error_budget.clamp(5e-4, 0.1),
+            ..ErrorBudget::default()
+        }
+        .threshold()
+    }
+}
+
 impl Default for FeatherSettings {
     fn default() -> Self {
         Self {
@@ -74,8 +86,8 @@ impl Default for FeatherSettings {
 /// [`FeatherSettings`] as the shaders read them.
 #[derive(Clone, Copy, Debug, PartialEq, ShaderType)]
 pub struct GpuFeatherSettings {
-    /// `FeatherSettings::error_budget`.
-    pub error_budget: f32,
+    /// Threshold of the chooser that `FeatherSettings::error_budget` comes to.
+    pub threshold: f32,
     /// `FeatherSettings::multiple_scattering`.
     pub multiple_scattering: f32,
     /// 1: dither.
@@ -87,7 +99,7 @@ pub struct GpuFeatherSettings {
 impl From<&FeatherSettings> for GpuFeatherSettings {
     fn from(settings: &FeatherSettings) -> Self {
         Self {
-            error_budget: settings.error_budget.clamp(5e-4, 0.1),
+            threshold: settings.threshold(),
             multiple_scattering: settings.multiple_scattering.clamp(0.0, 1.0),
             dither: u32::from(settings.dither),
             debug_view: settings.debug_view as u32,

@@ -7,7 +7,7 @@
     feather_lighting as light,
     feather_pattern::{hash, pattern_threshold},
     masking::{mask_rachis, mask_vane},
-    query::{Footprint, split_rachis, vane_coverage},
+    query::{Footprint, mirrored, split_rachis, vane_coverage},
     scattering::{
         FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreShading, fibre_energy_split, fibre_evaluate, fibre_local, fibre_parameters,
         fibre_albedo, fibre_row_at, fibre_row_mix, fibre_shading, light_visibility, multiple_scattering,
@@ -64,21 +64,20 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape:
     let vane = data::vane_unpack(angles, feather_at(slot + 1u), last);
     // The right vane is the left one mirrored.
     let side = select(1.0, -1.0, right);
-    var mirrored = footprint;
-    mirrored.mean.x *= side;
-    mirrored.cov.y *= side;
+    var leftward = footprint;
+    if (right) { leftward = mirrored(footprint); }
     let cell = mask_vane(vane, frame.local_eye * vec3(side, 1.0, 1.0));
     // Angle of the barbs in radians.
     let angle = last.w;
     let root = barb_root(footprint.mean, angle);
     let contour = contour_at(base, shape.z, root);
     let reach = select(contour.xz, contour.yw, right);
-    let inside = contour_coverage(footprint.mean, footprint.cov, reach.x, reach.y, angle)
-        * vane_start_coverage(footprint.mean, footprint.cov, shape.z, angle);
+    let inside = contour_coverage(footprint.mean, footprint.covariance, reach.x, reach.y, angle)
+        * vane_start_coverage(footprint.mean, footprint.covariance, shape.z, angle);
     if (inside < 1e-3) {
         return vec3(0.0);
     }
-    let covered = vane_coverage(cell, vane, mirrored, level, settings.error_budget);
+    let covered = vane_coverage(cell, vane, leftward, level, settings.threshold);
     let hook = barbule_factor(hooked(abs(footprint.mean.x), root, reach.x, last.y, last.z));
     return inside * vec3(covered.x, covered.yz * hook);
 }

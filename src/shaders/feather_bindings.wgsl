@@ -3,7 +3,8 @@
 #import bevy_plumage::feather_data as data
 
 struct FeatherSettings {
-    error_budget: f32,
+    // Of the chooser, from the error budget.
+    threshold: f32,
     multiple_scattering: f32,
     dither: u32,
     debug_view: u32,

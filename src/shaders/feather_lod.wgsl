@@ -2,13 +2,14 @@
 #import bevy_render::view::View
 #import bevy_plumage::feather_data as data
 #import bevy_plumage::masking::Vane
-#import bevy_plumage::query::{classify_bounds, threshold_of}
+#import bevy_plumage::query::classify_bounds
 
 struct LodParams {
     world_from_local: mat4x4<f32>,
     card_count: u32,
     skin_index: u32,
-    error_budget: f32,
+    // Of the chooser, from the error budget.
+    threshold: f32,
     padding: u32,
 }
 
@@ -80,8 +81,8 @@ fn classify_card(index: u32) -> u32 {
     let major = PIXEL_SIGMA * pixel * farthest / feather_length * MAX_ASPECT;
     let base = data::FEATHERS_BASE
         + min(data::card_feather(card.feather), max(u32(feathers[0].x), 1u) - 1u) * data::FEATHER_STRIDE;
-    let left = classify_bounds(feather_vane(base, data::LEFT_VANE), minor, major, params.error_budget);
-    let right = classify_bounds(feather_vane(base, data::RIGHT_VANE), minor, major, params.error_budget);
+    let left = classify_bounds(feather_vane(base, data::LEFT_VANE), minor, major, params.threshold);
+    let right = classify_bounds(feather_vane(base, data::RIGHT_VANE), minor, major, params.threshold);
     return select(data::CARD_MIXED, left, left == right);
 }
 

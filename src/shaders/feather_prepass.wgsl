@@ -5,7 +5,8 @@
     feather_data as data,
     feather_io::FeatherPrepassVertex,
     feather_pattern::pattern_threshold,
-    query::{vane_unpack, vane_opacity},
+    masking::mask_vane,
+    query::mean_coverage,
 }
 #ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION
 struct Output { @builtin(frag_depth) frag_depth: f32 }
@@ -30,7 +31,7 @@ fn shadow_opacity(in: FeatherPrepassVertex) -> f32 {
     }
     let contour = contour_at(base, shape.z, root);
     let reach = select(contour.xz, contour.yw, right);
-    return contour_coverage(footprint.mean, footprint.cov, reach.x, reach.y, last.w) * vane_opacity(vane);
+    return contour_coverage(footprint.mean, footprint.cov, reach.x, reach.y, last.w) * dot(mean_coverage(mask_vane(vane, vec3(0.0, 0.0, 1.0))), vec3(1.0));
 }
 
 #ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION

@@ -35,7 +35,7 @@ pub struct LodBird {
     lod: AssetId<ShaderBuffer>,
     feathers: AssetId<ShaderBuffer>,
     count: u32,
-    error_budget: f32,
+    threshold: f32,
     world_from_local: Mat4,
     bind_group: Option<BindGroup>,
     params_offset: u32,
@@ -74,7 +74,7 @@ struct LodParams {
     card_count: u32,
     /// First joint matrix, or `u32::MAX` without a skin.
     skin_index: u32,
-    error_budget: f32,
+    threshold: f32,
     padding: u32,
 }
 
@@ -142,7 +142,7 @@ pub fn extract_birds(
             lod: material.lod.id(),
             feathers: material.feathers.id(),
             count: cards.cards.len() as u32,
-            error_budget: material.settings.error_budget,
+            threshold: material.settings.threshold(),
             world_from_local: transform.to_matrix(),
             bind_group: None,
             params_offset: 0,
@@ -175,7 +175,7 @@ pub fn prepare_lod_bind_groups(
             world_from_local: bird.world_from_local,
             card_count: bird.count,
             skin_index: skins.skin_index(bird.entity).unwrap_or(NO_SKIN),
-            error_budget: bird.error_budget,
+            threshold: bird.threshold,
             padding: 0,
         });
     }
