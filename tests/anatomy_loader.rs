@@ -2,10 +2,13 @@
 
 use bevy::{
     app::{App, TaskPoolPlugin},
-    asset::{AssetApp, AssetPlugin, AssetServer, Assets, Handle, LoadState},
+    asset::{
+        AssetApp, AssetPlugin, AssetServer, Assets, Handle, LoadState,
+        saver::{SavedAsset, save_using_saver},
+    },
     image::Image,
 };
-use bevy_plumage::anatomy::{AnatomyPlugin, Feather, presets};
+use bevy_plumage::anatomy::{AnatomyPlugin, Feather, FeatherSaver, presets};
 use std::{fs, path::PathBuf, time::Duration};
 
 struct Folder(PathBuf);
@@ -138,4 +141,31 @@ fn the_image_of_a_feather_is_its_dependency() {
         "sub/paint.png",
         "relative to the feather file"
     );
+}
+
+#[test]
+fn the_saver_writes_what_the_loader_reads() {
+    let folder = Folder::new("saver");
+    let preset = presets::by_name("macaw_rectrix").expect("a preset");
+    let mut app = folder.app();
+    let server = app.world().resource::<AssetServer>().clone();
+    let save = |feather: &Feather| {
+        bevy::tasks::block_on(save_using_saver(
+            server.clone(),
+            &FeatherSaver,
+            &"s.feather.ron".into(),
+            SavedAsset::from_asset(feather),
+            &(),
+        ))
+    };
+    save(&preset).expect("saved");
+    let handle = server.load("s.feather.ron");
+    assert!(settle(&mut app, &handle).is_loaded());
+    app.update();
+    let feathers = app.world().resource::<Assets<Feather>>();
+    assert_eq!(feathers.get(&handle), Some(&preset));
+    let mut wrong = preset.clone();
+    wrong.aspect = 0.0;
+    let error = save(&wrong).expect_err("no width");
+    assert!(error.to_string().contains("`aspect` is 0"), "{error}");
 }
