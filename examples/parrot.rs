@@ -68,5 +68,5 @@ fn setup(
             Transform::from_translation(place).with_rotation(Quat::from_rotation_y(turn)),
         );
     }
-    scene::spawn_perch(&mut commands, &mut meshes, &mut materials, 0.022, 1.0, Vec3::ZERO);
+    scene::spawn_perch(&mut commands, &mut meshes, &mut materials, 0.022, 3.0, Vec3::ZERO);
 }

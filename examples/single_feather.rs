@@ -63,7 +63,11 @@ fn spawn(
         // Every feather is shown as long as a primary, so that the shots fit.
         let length = 0.31;
         let width = length * feather.aspect;
-        let mut quality = FeatherQuality::default();
+        let mut quality = FeatherQuality {
+            // One card needs no sorting: blend it, for every step of coverage that there is.
+            transparency: FeatherTransparency::Blend,
+            ..default()
+        };
         quality.settings.debug_view = args.view.into();
         commands
             .entity(entity)

@@ -78,7 +78,7 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape:
         return vec3(0.0);
     }
     let covered = vane_coverage(cell, vane, leftward, level, settings.threshold);
-    let hook = barbule_factor(hooked(abs(footprint.mean.x), root, reach.x, last.y, last.z));
+    let hook = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
     return inside * vec3(covered.x, covered.yz * hook);
 }
 

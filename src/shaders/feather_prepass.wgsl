@@ -1,6 +1,6 @@
 // Silhouette of a feather in shadow maps: the mean coverage inside the contour, made holes by a fixed pattern.
 #import bevy_plumage::{
-    anatomy::{barb_root, canonical_footprint, contour_coverage},
+    anatomy::{barb_root, canonical_footprint, contour_coverage, vane_start_coverage},
     feather_bindings::{feather_at, feather_base, rachis_at, contour_at},
     feather_data as data,
     feather_io::FeatherPrepassVertex,
@@ -26,12 +26,11 @@ fn shadow_opacity(in: FeatherPrepassVertex) -> f32 {
     let last = feather_at(slot + 2u);
     let vane = data::vane_unpack(feather_at(slot), feather_at(slot + 1u), last);
     let root = barb_root(footprint.mean, last.w);
-    if (root < shape.z) {
-        return 0.0;
-    }
     let contour = contour_at(base, shape.z, root);
     let reach = select(contour.xz, contour.yw, right);
-    return contour_coverage(footprint.mean, footprint.cov, reach.x, reach.y, last.w) * dot(mean_coverage(mask_vane(vane, vec3(0.0, 0.0, 1.0))), vec3(1.0));
+    return contour_coverage(footprint.mean, footprint.cov, reach.x, reach.y, last.w)
+        * vane_start_coverage(footprint.mean, footprint.cov, shape.z, last.w)
+        * dot(mean_coverage(mask_vane(vane, vec3(0.0, 0.0, 1.0))), vec3(1.0));
 }
 
 #ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION
