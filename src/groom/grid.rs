@@ -1,7 +1,9 @@
 //! A grid of points for neighbour queries; its answers come in a fixed order.
 
-use bevy::math::{IVec3, Vec3};
-use std::collections::HashMap;
+use bevy::{
+    math::{IVec3, Vec3},
+    platform::collections::HashMap,
+};
 
 /// Points sorted into cubes of one size.
 pub struct PointGrid {
@@ -12,7 +14,7 @@ pub struct PointGrid {
 impl PointGrid {
     /// An empty grid. `cell` is the side of a cube: queries of that radius are cheapest.
     pub fn new(cell: f32) -> Self {
-        Self { cell: if cell.is_finite() && cell > 0.0 { cell } else { 1.0 }, cells: HashMap::new() }
+        Self { cell: if cell.is_finite() && cell > 0.0 { cell } else { 1.0 }, cells: HashMap::default() }
     }
 
     /// A grid of all these points, numbered in order.

@@ -1,17 +1,183 @@
 //! Which feather lies over which, and the settling of those that cross.
+//!
+//! Draping alone orders feathers of one tract (see [`super::drape::rise`]). Where tracts meet, where the lay bends and where
+//! chance lifts one feather and presses its neighbour, feathers can still poke through those that cover them. Here neighbours
+//! turn about their roots, the upper up and the lower down, until they part (the bird study, section 4.5).
 
-use super::leaf::Leaf;
+use super::{grid::PointGrid, leaf::Leaf};
+use bevy::math::Vec3;
+
+/// Rounds of settling.
+const ROUNDS: usize = 6;
+/// Stations along a feather that are compared.
+const STATIONS: usize = 3;
+/// Places across it.
+const ACROSS: [f32; 3] = [-0.55, 0.0, 0.55];
+/// Furthest a feather may rise or sink from its rest, radians.
+const LIMITS: (f32, f32) = (-0.03, 0.21);
+/// Depth, in widths, below which two feathers count as touching (0.3 mm on a contour feather).
+const TOUCH: f32 = 0.015;
 
 /// Pairs of neighbouring feathers that were compared, and those that still cross.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Crossings {
     /// Pairs of feathers of which one covers a part of the other.
     pub pairs: usize,
+    /// Pairs that crossed before settling.
+    pub before: usize,
     /// Pairs in which the lower still pokes through the upper.
     pub left: usize,
 }
 
-/// Settles the feathers.
-pub fn settle(_leaves: &mut [Leaf]) -> Crossings {
-    Crossings::default()
+/// A point of a feather that is watched.
+struct Sample {
+    leaf: u32,
+    place: Vec3,
+    normal: Vec3,
+    /// Distance from the root along the shaft: the lever of a turn about the root.
+    lever: f32,
+}
+
+/// A sample of one feather over the plane of another's nearest sample.
+struct Contact {
+    upper: u32,
+    lower: u32,
+    upper_lever: f32,
+    lower_lever: f32,
+    /// Height of the upper over the lower before settling.
+    gap: f32,
+    touch: f32,
+}
+
+/// Turns feathers about their roots until those with the higher layer lie above, as far as they can.
+pub fn settle(leaves: &mut [Leaf]) -> Crossings {
+    let contacts = contacts(leaves);
+    let mut turns = vec![0.0_f32; leaves.len()];
+    let count = |turns: &[f32]| crossing_pairs(&contacts, turns);
+    let mut result = Crossings::default();
+    (result.pairs, result.before) = count(&turns);
+    let (mut up, mut down) = (vec![0.0_f32; leaves.len()], vec![0.0_f32; leaves.len()]);
+    for _ in 0..ROUNDS {
+        up.fill(0.0);
+        down.fill(0.0);
+        for contact in &contacts {
+            let depth = contact.touch - gap(contact, &turns);
+            if depth > 0.0 {
+                let (a, b) = (contact.upper as usize, contact.lower as usize);
+                up[a] = up[a].max(0.5 * depth / contact.upper_lever);
+                down[b] = down[b].max(0.5 * depth / contact.lower_lever);
+            }
+        }
+        for (turn, (up, down)) in turns.iter_mut().zip(up.iter().zip(&down)) {
+            *turn = (*turn + up - down).clamp(LIMITS.0, LIMITS.1);
+        }
+    }
+    result.left = count(&turns).1;
+    for (leaf, turn) in leaves.iter_mut().zip(turns) {
+        turn_leaf(leaf, turn);
+    }
+    result
+}
+
+fn gap(contact: &Contact, turns: &[f32]) -> f32 {
+    let rise = turns[contact.upper as usize] * contact.upper_lever - turns[contact.lower as usize] * contact.lower_lever;
+    contact.gap + rise
+}
+
+/// Number of pairs in contact, and of those that cross.
+fn crossing_pairs(contacts: &[Contact], turns: &[f32]) -> (usize, usize) {
+    let mut pairs: Vec<(u64, bool)> = contacts
+        .iter()
+        .map(|contact| (u64::from(contact.upper) << 32 | u64::from(contact.lower), gap(contact, turns) < -contact.touch))
+        .collect();
+    pairs.sort_unstable();
+    let crossing = pairs.iter().filter(|(_, crosses)| *crosses).map(|(pair, _)| *pair);
+    let mut crossing: Vec<u64> = crossing.collect();
+    crossing.dedup();
+    pairs.dedup_by_key(|(pair, _)| *pair);
+    (pairs.len(), crossing.len())
+}
+
+fn contacts(leaves: &[Leaf]) -> Vec<Contact> {
+    let mut samples = Vec::with_capacity(leaves.len() * STATIONS * ACROSS.len());
+    for (number, leaf) in leaves.iter().enumerate() {
+        let last = leaf.shaft.points.len() - 1;
+        let mut done = 0;
+        for station in 1..=STATIONS {
+            let i = (station * last).div_ceil(STATIONS);
+            if i == done {
+                continue;
+            }
+            done = i;
+            // The root has no lever and the tip is narrow: the middle of the last part stands for it.
+            let lever = leaf.card.length * i as f32 / last as f32;
+            let across: &[f32] = if i == last { &[0.0] } else { &ACROSS };
+            samples.extend(across.iter().map(|&x| Sample {
+                leaf: number as u32,
+                place: leaf.place(i, x),
+                normal: leaf.shaft.normals[i],
+                lever: lever.max(0.25 * leaf.card.length),
+            }));
+        }
+    }
+    let mut widths: Vec<f32> = leaves.iter().map(|leaf| leaf.card.width).collect();
+    widths.sort_by(f32::total_cmp);
+    let Some(&median) = widths.get(widths.len() / 2) else { return Vec::new() };
+    let places: Vec<Vec3> = samples.iter().map(|sample| sample.place).collect();
+    let grid = PointGrid::of(&places, 0.5 * median);
+    let mut contacts = Vec::new();
+    let mut nearest: Vec<(u32, f32, u32)> = Vec::new();
+    for sample in &samples {
+        let leaf = &leaves[sample.leaf as usize];
+        let radius = 0.45 * leaf.card.width;
+        nearest.clear();
+        grid.near(sample.place, radius, |j| {
+            let other = &samples[j as usize];
+            let distance = other.place.distance_squared(sample.place);
+            if other.leaf == sample.leaf || distance > radius * radius || other.normal.dot(sample.normal) < 0.5 {
+                return;
+            }
+            match nearest.iter_mut().find(|(leaf, ..)| *leaf == other.leaf) {
+                Some(entry) if entry.1 <= distance => {}
+                Some(entry) => *entry = (other.leaf, distance, j),
+                None => nearest.push((other.leaf, distance, j)),
+            }
+        });
+        for &(other, _, j) in &nearest {
+            let other_leaf = &leaves[other as usize];
+            let under = &samples[j as usize];
+            let delta = sample.place - under.place;
+            let height = delta.dot(under.normal);
+            // Beside the other's blade there is nothing to cross.
+            if (delta - under.normal * height).length() > 0.3 * other_leaf.card.width {
+                continue;
+            }
+            let above = (leaf.card.layer, sample.leaf) > (other_leaf.card.layer, other);
+            let touch = TOUCH * leaf.card.width.min(other_leaf.card.width);
+            let (upper, lower, gap) = if above { (sample, under, height) } else { (under, sample, -height) };
+            contacts.push(Contact {
+                upper: upper.leaf,
+                lower: lower.leaf,
+                upper_lever: upper.lever,
+                lower_lever: lower.lever,
+                gap,
+                touch,
+            });
+        }
+    }
+    contacts
+}
+
+/// Turns a feather about its root by a small angle, up if positive.
+fn turn_leaf(leaf: &mut Leaf, angle: f32) {
+    let last = leaf.shaft.points.len() - 1;
+    let step = leaf.card.length / last as f32;
+    let along: Vec<Vec3> = (0..=last).map(|i| leaf.along(i)).collect();
+    for i in 0..=last {
+        let normal = leaf.shaft.normals[i];
+        leaf.shaft.points[i] += normal * (angle * step * i as f32);
+        leaf.shaft.normals[i] = (normal - along[i] * angle).try_normalize().unwrap_or(normal);
+    }
+    leaf.card.along = (leaf.card.along + leaf.card.normal * angle).try_normalize().unwrap_or(leaf.card.along);
+    leaf.card.normal = leaf.shaft.normals[0];
 }

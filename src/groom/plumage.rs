@@ -348,7 +348,7 @@ fn finish(
             crossings: coat.crossings.left as u32,
             error: None,
         };
-        info!("plumage of {owner}: {} cards in {milliseconds:.0} ms", coat.cards.len());
+        info!("plumage of {owner}: {} cards in {milliseconds:.0} ms, {:?}", coat.cards.len(), coat.crossings);
         let output = spawn_cards(&mut commands, &mut meshes, &mut poses, owner, plumage, target, coat, feathers);
         commands.entity(owner).insert(PlumageOutput(output)).remove::<GroomJob>();
     }
