@@ -1,7 +1,7 @@
 //! From a groom and a skin to the cards: the whole way, without an app.
 
 use super::{
-    asset::{Groom, Region},
+    asset::{Groom, Region, Row},
     card::{Card, CardGeometry},
     drape::{Shape, drape, rise},
     error::GroomError,
@@ -46,8 +46,8 @@ pub struct Coat {
     pub crossings: layer::Crossings,
 }
 
-/// Feathers a bird. The same arguments give the same bytes. `density` scales the number of feathers of the regions, and their
-/// size by 1 / sqrt(density), so that cover stays; 0.01..=16, clamped.
+/// Feathers a bird. The same arguments give the same bytes. `density` scales the number of feathers, and the size of
+/// those in regions by 1 / sqrt(density), so that cover stays; 0.01..=16, clamped.
 ///
 /// # Errors
 /// [`GroomError::Value`] if the groom is damaged, [`GroomError::Skin`] if the skin has no triangle.
@@ -101,6 +101,7 @@ fn regions(bird: &Bird, groom: &Groom, seed: u64, density: f32, warnings: &mut V
     let mut placed: Vec<Follicle> = Vec::new();
     let mut leaves = Vec::new();
     let room = layer_room(&groom.regions);
+    let counts = region_counts(groom, density);
     let size = density.sqrt().recip();
     let joint_gap = joint_gap(&bird.joint_places);
     for (number, region) in groom.regions.iter().enumerate() {
@@ -120,7 +121,7 @@ fn regions(bird: &Bird, groom: &Groom, seed: u64, density: f32, warnings: &mut V
         });
         let below = clearance(groom, &masks, number, size);
         let field = Field::new(skin, lay, arc, &triangles, mask);
-        let count = (f64::from(region.count) * f64::from(density)).round() as usize;
+        let count = counts[number];
         let own = name_hash(seed, &region.name);
         let follicles = scatter(&field, region, count, own, &placed);
         for follicle in &follicles {
@@ -130,6 +131,26 @@ fn regions(bird: &Bird, groom: &Groom, seed: u64, density: f32, warnings: &mut V
         placed.extend(follicles);
     }
     leaves
+}
+
+/// Feathers of each region. The bird as a whole has `density` times its number of feathers; rows keep theirs at any density (a
+/// wing has ten primaries), so that the regions take up the difference. Fractions go to the largest remainders.
+fn region_counts(groom: &Groom, density: f32) -> Vec<usize> {
+    let scattered: f64 = groom.regions.iter().map(|region| f64::from(region.count)).sum();
+    let sides = |row: &Row| if row.mirror { 2 } else { 1 };
+    let in_rows = groom.rows.iter().map(|row| (row.lengths.len() * sides(row)) as f64).sum::<f64>();
+    let wanted = ((scattered + in_rows) * f64::from(density)).round();
+    let scale = if scattered > 0.0 { (wanted - in_rows).max(0.0) / scattered } else { 0.0 };
+    let exact: Vec<f64> = groom.regions.iter().map(|region| f64::from(region.count) * scale).collect();
+    let mut counts: Vec<usize> = exact.iter().map(|count| count.floor() as usize).collect();
+    let total = exact.iter().sum::<f64>().round() as usize;
+    let missing = total.saturating_sub(counts.iter().sum());
+    let mut order: Vec<usize> = (0..exact.len()).collect();
+    order.sort_by(|&a, &b| exact[b].fract().total_cmp(&exact[a].fract()));
+    for &number in order.iter().take(missing) {
+        counts[number] += 1;
+    }
+    counts
 }
 
 /// Height, at each triangle, of the feathers of lower regions that grow there.

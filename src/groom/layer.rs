@@ -173,10 +173,10 @@ fn turn_leaf(leaf: &mut Leaf, angle: f32) {
     let last = leaf.shaft.points.len() - 1;
     let step = leaf.card.length / last as f32;
     let along: Vec<Vec3> = (0..=last).map(|i| leaf.along(i)).collect();
-    for i in 0..=last {
+    for (i, along) in along.into_iter().enumerate() {
         let normal = leaf.shaft.normals[i];
         leaf.shaft.points[i] += normal * (angle * step * i as f32);
-        leaf.shaft.normals[i] = (normal - along[i] * angle).try_normalize().unwrap_or(normal);
+        leaf.shaft.normals[i] = (normal - along * angle).try_normalize().unwrap_or(normal);
     }
     leaf.card.along = (leaf.card.along + leaf.card.normal * angle).try_normalize().unwrap_or(leaf.card.along);
     leaf.card.normal = leaf.shaft.normals[0];

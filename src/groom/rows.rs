@@ -183,7 +183,8 @@ impl RowContext<'_> {
             layer: row.layer.at(t),
             tint: vary(row.tint, t, hue, value),
             seed: (seed >> 32) as u32,
-            mirrored,
+            // Seen from the front with the tip up, the leading vane of a left wing's feather is on the right.
+            mirrored: if row.mirror { mirrored == row.handed } else { false },
         };
         let below = vec![SurfacePoint { triangle: 0, bary: Vec3::X }; segments + 1];
         let shaft = Shaft { points, normals, below, across: 0.0 };

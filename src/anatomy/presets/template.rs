@@ -3,6 +3,10 @@
 use crate::anatomy::{Albedo, Barbules, Contour, Feather, Gaps, Pattern, Rachis, Spline, Vane};
 use crate::scattering::{Fibre, FibreKind, Optics, Sheen};
 
+/// Share of the measured down that a body feather keeps. Cards lie less regularly than follicles do, so that more of each base
+/// shows than on a bird, and pale bases would speckle the coat.
+const DOWN_SHOWN: f32 = 0.5;
+
 /// Half width of one vane along the feather: control points (height, share of the half width) joined by straight lines with
 /// rounded knees, closed above `tip` by `(1 - h^p)^(1/q)`, h from 0 at `tip` to 1 at the end.
 #[derive(Clone, Copy)]
@@ -152,7 +156,7 @@ impl Template {
                 proximal_radius_um: micro.radius[1],
             },
             fringe: self.fringe,
-            downy: micro.downy,
+            downy: if micro.downy > 0.9 { micro.downy } else { micro.downy * DOWN_SHOWN },
         };
         Feather {
             version: Feather::VERSION,
@@ -230,6 +234,7 @@ pub(super) fn stops(stops: &[(f32, u32, f32)]) -> Pattern {
 
 /// A body feather: down of one colour, a transition, then `colour`, which the groom replaces.
 pub(super) fn body(downy: f32, down: u32, transition: u32, colour: u32) -> Pattern {
+    let downy = downy * DOWN_SHOWN;
     let height = |offset: f32| ((downy + offset) * 1000.0).round().clamp(0.0, 1000.0) / 1000.0;
     Pattern {
         mottle: 0.12,
