@@ -14,7 +14,7 @@ fn main() {
         app.insert_resource(Shots {
             hero: Framing {
                 target: Vec3::new(0.0, -0.02, -0.08),
-                eye: Vec3::new(1.15, 0.42, 2.15),
+                eye: Vec3::new(1.75, 0.48, 1.75),
                 fov: 19.5,
             },
             closeup: Framing {

@@ -3,14 +3,16 @@
 use super::{Args, camera::OffScreen, stats};
 use bevy::{
     app::PluginsState,
+    light::DirectionalLightShadowMap,
     prelude::*,
     render::{
         render_resource::{PollType, TextureFormat, TextureUsages},
-        renderer::RenderDevice,
+        renderer::{RenderAdapterInfo, RenderDevice},
         view::screenshot::{Screenshot, ScreenshotCaptured},
     },
 };
 use bevy_plumage::prelude::*;
+use wgpu_types::DeviceType;
 use std::{
     path::{Path, PathBuf},
     sync::{Arc, Mutex},
@@ -20,7 +22,7 @@ use std::{
 /// Longest wait for assets and grooms.
 const LOAD_TIMEOUT: Duration = Duration::from_secs(120);
 /// Frames before the first measured one: pipelines compile, shadow maps fill, buffers settle.
-const WARM_UP: u32 = 4;
+const WARM_UP: u32 = 3;
 
 /// Whether any driver offers an adapter.
 pub fn adapter_exists() -> bool {
@@ -37,6 +39,11 @@ pub fn run(mut app: App, name: &str, args: &Args) {
     app.cleanup();
     let image = target(&mut app, args.size);
     app.insert_resource(OffScreen(image.clone()));
+    let device = app.world().resource::<RenderAdapterInfo>().device_type;
+    if device == DeviceType::Cpu {
+        // Shadow maps are the dearest part of a picture drawn by software.
+        app.insert_resource(DirectionalLightShadowMap { size: 1024 });
+    }
     load(&mut app, name);
     println!("{name}: rendering {} frames", args.frames.max(1));
     for _ in 0..WARM_UP {

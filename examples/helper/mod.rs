@@ -86,7 +86,7 @@ pub struct Args {
     #[arg(long)]
     pub time: Option<f32>,
     /// Frames to render once everything is loaded (headless).
-    #[arg(long, default_value_t = 4)]
+    #[arg(long, default_value_t = 2)]
     pub frames: u32,
     /// Picture to write (headless).
     #[arg(long)]

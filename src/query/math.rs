@@ -49,7 +49,7 @@ pub fn sine_turns<T: Real>(x: T) -> T {
         y
     };
     let z = f * f;
-    f * (T::of(std::f64::consts::TAU)
+    f * (T::of(core::f64::consts::TAU)
         + z * (T::of(-41.341_702)
             + z * (T::of(81.605_25)
                 + z * (T::of(-76.705_86) + z * (T::of(42.058_69) + z * T::of(-15.094_643))))))

@@ -25,6 +25,7 @@ pub mod math;
 mod mean;
 mod near;
 mod point;
+pub mod published;
 pub mod reference;
 mod stripe;
 mod vane;

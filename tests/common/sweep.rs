@@ -149,10 +149,13 @@ pub fn statistics(errors: &[f64]) -> [f64; 3] {
     [rms, p99, sorted.last().copied().unwrap_or(0.0)]
 }
 
-/// Largest difference of three coverages.
+/// Largest difference of three coverages; infinite where one is not a number.
 pub fn difference(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter()
         .zip(&b)
         .map(|(x, y)| (x - y).abs())
-        .fold(0.0, f64::max)
+        .fold(
+            0.0,
+            |m: f64, e| if e.is_nan() { f64::INFINITY } else { m.max(e) },
+        )
 }

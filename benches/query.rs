@@ -1,0 +1,77 @@
+//! Time of one range query by each evaluator, and by the published spatial method at comparable error.
+//!
+//! The footprints are those for which the chooser picks the evaluator, over the range query study's sweep.
+#![allow(missing_docs)]
+
+use bevy_plumage::query::{
+    Cell, ErrorBudget, Evaluator, Local, cell_coverage, choose, mask_vane, mean, near, published,
+    stripe,
+};
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+use std::hint::black_box;
+
+#[allow(dead_code)]
+#[path = "../tests/common/sweep.rs"]
+mod sweep;
+
+fn queries(c: &mut Criterion) {
+    let budget = ErrorBudget::<f32>::default();
+    let cases: Vec<(Cell<f32>, Local<f32>)> =
+        sweep::cases(&mut Pcg64Mcg::seed_from_u64(101), 4000, true)
+            .iter()
+            .map(|case| (sweep::cell_f32(&case.cell), sweep::local_f32(&case.local)))
+            .collect();
+    let nodes: Vec<(f32, f32)> = published::gauss_legendre(64)
+        .into_iter()
+        .map(|(x, w)| (x as f32, w as f32))
+        .collect();
+    let chosen = |kind: Evaluator| -> Vec<(Cell<f32>, Local<f32>)> {
+        cases
+            .iter()
+            .filter(|(cell, local)| choose(cell, local, budget.threshold()).0 == kind)
+            .copied()
+            .collect()
+    };
+    let mut group = c.benchmark_group("query");
+    let mut bench = |name: &str,
+                     set: &[(Cell<f32>, Local<f32>)],
+                     f: &dyn Fn(&Cell<f32>, &Local<f32>) -> [f32; 3]| {
+        let mut next = (0..set.len()).cycle();
+        group.bench_function(name, |b| {
+            b.iter_batched(
+                || set[next.next().unwrap_or(0)],
+                |(cell, local)| black_box(f(&cell, &local)),
+                BatchSize::SmallInput,
+            );
+        });
+    };
+    let near_set = chosen(Evaluator::Near);
+    let stripe_set = chosen(Evaluator::Stripe);
+    let mean_set = chosen(Evaluator::Mean);
+    bench("near", &near_set, &|c, l| near(c, l, &budget.quality));
+    bench("stripe", &stripe_set, &stripe);
+    bench("mean", &mean_set, &|c, _| mean(c));
+    bench("chosen", &cases, &|c, l| cell_coverage(c, l, &budget));
+    bench("published spatial 64, where near", &near_set, &|c, l| {
+        published::spatial(c, l, &nodes)
+    });
+    bench(
+        "published spatial 64, where stripe",
+        &stripe_set,
+        &|c, l| published::spatial(c, l, &nodes),
+    );
+    group.finish();
+    let vane = bevy_plumage::query::Vane::new(0.004f32, 0.0004, 0.6, 0.7, 4e-4, 5e-5, 5e-5);
+    c.bench_function("mask_vane", |b| {
+        b.iter(|| mask_vane(black_box(&vane), black_box([0.3, 0.4, 0.8])))
+    });
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(20).measurement_time(std::time::Duration::from_secs(2));
+    targets = queries
+}
+criterion_main!(benches);
