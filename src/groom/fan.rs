@@ -61,7 +61,7 @@ pub fn fan_transform(fan: &FanJoint, skinning: &[Affine3A]) -> Affine3A {
     for (joint, weight) in &follow {
         let turn = rotation(skinning[usize::from(*joint)].matrix3);
         let sign = if sum.dot(turn) < 0.0 { -1.0 } else { 1.0 };
-        sum = sum + turn * (*weight * sign);
+        sum += turn * (*weight * sign);
     }
     let turn = if sum.length_squared() > 1.0e-12 {
         sum.normalize()

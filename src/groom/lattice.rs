@@ -64,7 +64,7 @@ pub fn rows(field: &Field, region: &Region, rows: usize, count: usize, seed: u64
 /// Shares `count` out in proportion to the wishes, by largest remainders; all zero if nothing is wished for.
 fn shares(wishes: &[f64], count: usize) -> Vec<usize> {
     let total: f64 = wishes.iter().sum();
-    if !(total > 0.0 && total.is_finite()) {
+    if total <= 0.0 || !total.is_finite() {
         return vec![0; wishes.len()];
     }
     let exact: Vec<f64> = wishes

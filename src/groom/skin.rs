@@ -442,7 +442,7 @@ pub fn blend_weights(parts: impl IntoIterator<Item = (Weights, f32)>) -> Weights
     for ((joints, weights), share) in parts {
         for (joint, weight) in joints.into_iter().zip(weights) {
             let value = weight * share;
-            if !(value > 0.0 && value.is_finite()) {
+            if value <= 0.0 || !value.is_finite() {
                 continue;
             }
             match list.iter_mut().find(|(known, _)| *known == joint) {
