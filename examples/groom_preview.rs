@@ -6,7 +6,10 @@
 use bevy::{
     app::PluginsState,
     gltf::GltfAssetLabel,
-    mesh::{Indices, VertexAttributeValues, skinning::{SkinnedMesh, SkinnedMeshInverseBindposes}},
+    mesh::{
+        Indices, VertexAttributeValues,
+        skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
+    },
     prelude::*,
     render::{
         RenderPlugin,
@@ -54,12 +57,22 @@ struct Args {
 fn main() {
     let args = Args::parse();
     let mut app = App::new();
-    let settings = WgpuSettings { backends: None, ..default() };
+    let settings = WgpuSettings {
+        backends: None,
+        ..default()
+    };
     app.add_plugins(
         DefaultPlugins
             .build()
-            .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
-            .set(RenderPlugin { render_creation: RenderCreation::Automatic(Box::new(settings)), ..default() })
+            .set(WindowPlugin {
+                primary_window: None,
+                exit_condition: ExitCondition::DontExit,
+                ..default()
+            })
+            .set(RenderPlugin {
+                render_creation: RenderCreation::Automatic(Box::new(settings)),
+                ..default()
+            })
             .disable::<WinitPlugin>(),
     )
     .add_plugins((AnatomyPlugin, GroomPlugin))
@@ -99,8 +112,12 @@ fn main() {
 
 fn spawn(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
     let scene = GltfAssetLabel::Scene(0).from_asset(format!("birds/{}.glb", args.bird));
-    let plumage = Plumage::new(assets.load(format!("grooms/{}.groom.ron", args.bird))).with_seed(args.seed);
-    commands.spawn((WorldAssetRoot(assets.load(scene)), plumage.with_density(args.density)));
+    let plumage =
+        Plumage::new(assets.load(format!("grooms/{}.groom.ron", args.bird))).with_seed(args.seed);
+    commands.spawn((
+        WorldAssetRoot(assets.load(scene)),
+        plumage.with_density(args.density),
+    ));
 }
 
 fn pose(
@@ -113,12 +130,15 @@ fn pose(
     mut commands: Commands,
 ) {
     let Some(time) = args.time else { return };
-    let clip = assets.load(GltfAssetLabel::Animation(0).from_asset(format!("birds/{}.glb", args.bird)));
+    let clip =
+        assets.load(GltfAssetLabel::Animation(0).from_asset(format!("birds/{}.glb", args.bird)));
     let (graph, node) = AnimationGraph::from_clip(clip);
     let graph = graphs.add(graph);
     for entity in children.iter_descendants(ready.entity) {
         if let Ok(mut player) = players.get_mut(entity) {
-            commands.entity(entity).insert(AnimationGraphHandle(graph.clone()));
+            commands
+                .entity(entity)
+                .insert(AnimationGraphHandle(graph.clone()));
             player.play(node).seek_to(time).pause();
         }
     }
@@ -134,33 +154,73 @@ struct Triangle {
 fn collect(world: &mut World, by_layer: bool) -> Vec<Triangle> {
     let mut out = Vec::new();
     let mut query = world.query::<(Entity, &Mesh3d, Option<&SkinnedMesh>, Option<&PlumageCards>)>();
-    let list: Vec<_> = query.iter(world).map(|(e, m, s, c)| (e, m.0.clone(), s.cloned(), c.cloned())).collect();
+    let list: Vec<_> = query
+        .iter(world)
+        .map(|(e, m, s, c)| (e, m.0.clone(), s.cloned(), c.cloned()))
+        .collect();
     let meshes = world.resource::<Assets<Mesh>>();
     let poses = world.resource::<Assets<SkinnedMeshInverseBindposes>>();
     for (entity, mesh, skin, cards) in list {
-        let Some(mesh) = meshes.get(&mesh) else { continue };
-        let place = |e: Entity| world.get::<GlobalTransform>(e).map_or(Mat4::IDENTITY, |t| t.to_matrix());
-        let Some(VertexAttributeValues::Float32x3(positions)) = mesh.attribute(Mesh::ATTRIBUTE_POSITION) else { continue };
+        let Some(mesh) = meshes.get(&mesh) else {
+            continue;
+        };
+        let place = |e: Entity| {
+            world
+                .get::<GlobalTransform>(e)
+                .map_or(Mat4::IDENTITY, |t| t.to_matrix())
+        };
+        let Some(VertexAttributeValues::Float32x3(positions)) =
+            mesh.attribute(Mesh::ATTRIBUTE_POSITION)
+        else {
+            continue;
+        };
         let matrices: Vec<Mat4> = match &skin {
             Some(skin) => {
                 let bind = poses.get(&skin.inverse_bindposes).expect("loaded");
-                skin.joints.iter().zip(bind.iter()).map(|(joint, inverse)| place(*joint) * *inverse).collect()
+                skin.joints
+                    .iter()
+                    .zip(bind.iter())
+                    .map(|(joint, inverse)| place(*joint) * *inverse)
+                    .collect()
             }
             None => vec![place(entity)],
         };
-        let places: Vec<Vec3> = match (mesh.attribute(Mesh::ATTRIBUTE_JOINT_INDEX), mesh.attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT)) {
-            (Some(VertexAttributeValues::Uint16x4(joints)), Some(VertexAttributeValues::Float32x4(weights))) => positions
+        let places: Vec<Vec3> = match (
+            mesh.attribute(Mesh::ATTRIBUTE_JOINT_INDEX),
+            mesh.attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT),
+        ) {
+            (
+                Some(VertexAttributeValues::Uint16x4(joints)),
+                Some(VertexAttributeValues::Float32x4(weights)),
+            ) => positions
                 .iter()
                 .zip(joints.iter().zip(weights))
                 .map(|(p, (j, w))| {
-                    let point = |k: usize| matrices[usize::from(j[k])].transform_point3(Vec3::from_array(*p)) * w[k];
+                    let point = |k: usize| {
+                        matrices[usize::from(j[k])].transform_point3(Vec3::from_array(*p)) * w[k]
+                    };
                     (0..4).map(point).sum()
                 })
                 .collect(),
-            _ => positions.iter().map(|p| matrices[0].transform_point3(Vec3::from_array(*p))).collect(),
+            _ => positions
+                .iter()
+                .map(|p| matrices[0].transform_point3(Vec3::from_array(*p)))
+                .collect(),
         };
-        let uvs = mesh.attribute(Mesh::ATTRIBUTE_UV_0).and_then(|v| if let VertexAttributeValues::Float32x2(v) = v { Some(v) } else { None });
-        let ids = mesh.attribute(Mesh::ATTRIBUTE_UV_1).and_then(|v| if let VertexAttributeValues::Float32x2(v) = v { Some(v) } else { None });
+        let uvs = mesh.attribute(Mesh::ATTRIBUTE_UV_0).and_then(|v| {
+            if let VertexAttributeValues::Float32x2(v) = v {
+                Some(v)
+            } else {
+                None
+            }
+        });
+        let ids = mesh.attribute(Mesh::ATTRIBUTE_UV_1).and_then(|v| {
+            if let VertexAttributeValues::Float32x2(v) = v {
+                Some(v)
+            } else {
+                None
+            }
+        });
         let indices: Vec<usize> = match mesh.indices() {
             Some(Indices::U32(list)) => list.iter().map(|i| *i as usize).collect(),
             Some(Indices::U16(list)) => list.iter().map(|i| usize::from(*i)).collect(),
@@ -171,11 +231,25 @@ fn collect(world: &mut World, by_layer: bool) -> Vec<Triangle> {
             let (uv, color) = match (&cards, uvs, ids) {
                 (Some(cards), Some(uvs), Some(ids)) => {
                     let tint = Vec3::from_array(cards.cards[ids[t[0]][0] as usize].tint);
-                    let layer = Vec3::new(ids[t[0]][1], (ids[t[0]][1] * 7.0).fract(), 1.0 - ids[t[0]][1]);
-                    (Some([0, 1, 2].map(|k| Vec2::from_array(uvs[t[k]]))), if by_layer { layer } else { tint })
+                    let layer = Vec3::new(
+                        ids[t[0]][1],
+                        (ids[t[0]][1] * 7.0).fract(),
+                        1.0 - ids[t[0]][1],
+                    );
+                    (
+                        Some([0, 1, 2].map(|k| Vec2::from_array(uvs[t[k]]))),
+                        if by_layer { layer } else { tint },
+                    )
                 }
                 // The skin proper in cyan; bill, eyes and feet in grey.
-                _ => (None, if ids.is_some() { Vec3::new(0.0, 1.0, 1.0) } else { Vec3::splat(0.35) }),
+                _ => (
+                    None,
+                    if ids.is_some() {
+                        Vec3::new(0.0, 1.0, 1.0)
+                    } else {
+                        Vec3::splat(0.35)
+                    },
+                ),
             };
             out.push(Triangle { corners, uv, color });
         }
@@ -194,7 +268,9 @@ fn draw(triangles: &[Triangle], args: &Args) {
     let size = args.size;
     let mut picture = image::RgbImage::new(2 * size as u32, 2 * size as u32);
     let all = triangles.iter().flat_map(|t| t.corners);
-    let (low, high) = all.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+    let (low, high) = all.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| {
+        (a.min(p), b.max(p))
+    });
     let (center, half) = match args.zoom.as_deref() {
         Some(&[x, y, z, half]) => (Vec3::new(x, y, z), half),
         _ => (0.5 * (low + high), 0.52 * (high - low).max_element()),
@@ -203,7 +279,10 @@ fn draw(triangles: &[Triangle], args: &Args) {
         (Vec3::X, Vec3::NEG_Z),
         (Vec3::Z, Vec3::X),
         (Vec3::NEG_Z, Vec3::NEG_X),
-        (Vec3::new(0.6, 0.15, 0.79).normalize(), Vec3::new(0.79, 0.0, -0.6).normalize()),
+        (
+            Vec3::new(0.6, 0.15, 0.79).normalize(),
+            Vec3::new(0.79, 0.0, -0.6).normalize(),
+        ),
     ];
     for (number, (eye, right)) in views.into_iter().enumerate() {
         let up = eye.cross(right);
@@ -215,17 +294,27 @@ fn draw(triangles: &[Triangle], args: &Args) {
             let project = |p: Vec3| {
                 let d = p - center;
                 let scale = 0.5 * size as f32 / half;
-                Vec3::new(0.5 * size as f32 + d.dot(right) * scale, 0.5 * size as f32 - d.dot(up) * scale, d.dot(eye))
+                Vec3::new(
+                    0.5 * size as f32 + d.dot(right) * scale,
+                    0.5 * size as f32 - d.dot(up) * scale,
+                    d.dot(eye),
+                )
             };
             let [a, b, c] = triangle.corners.map(project);
             let area = (b - a).truncate().perp_dot((c - a).truncate());
             if area.abs() < 1.0e-9 {
                 continue;
             }
-            let normal = (triangle.corners[1] - triangle.corners[0]).cross(triangle.corners[2] - triangle.corners[0]).normalize_or_zero();
+            let normal = (triangle.corners[1] - triangle.corners[0])
+                .cross(triangle.corners[2] - triangle.corners[0])
+                .normalize_or_zero();
             let facing = normal.dot(eye);
             let low = a.min(b).min(c).truncate().max(Vec2::ZERO);
-            let high = a.max(b).max(c).truncate().min(Vec2::splat(size as f32 - 1.0));
+            let high = a
+                .max(b)
+                .max(c)
+                .truncate()
+                .min(Vec2::splat(size as f32 - 1.0));
             for y in low.y.ceil() as i64..=high.y.floor() as i64 {
                 for x in low.x.ceil() as i64..=high.x.floor() as i64 {
                     let p = Vec2::new(x as f32, y as f32);
@@ -240,7 +329,8 @@ fn draw(triangles: &[Triangle], args: &Args) {
                     if z <= depth[at] {
                         continue;
                     }
-                    let mut shade = 0.35 + 0.65 * normal.dot(Vec3::new(0.3, 0.8, 0.4).normalize()).abs();
+                    let mut shade =
+                        0.35 + 0.65 * normal.dot(Vec3::new(0.3, 0.8, 0.4).normalize()).abs();
                     if let Some(uv) = triangle.uv {
                         let place = uv[0] * u + uv[1] * v + uv[2] * w;
                         if !covers(place) {
@@ -265,11 +355,21 @@ fn draw(triangles: &[Triangle], args: &Args) {
             bare += u32::from(k == 2);
             back += u32::from(k == 4);
         }
-        println!("view {number}: bare {:.2} %, seen from behind {:.2} %", 100.0 * bare as f32 / body as f32, 100.0 * back as f32 / body as f32);
+        println!(
+            "view {number}: bare {:.2} %, seen from behind {:.2} %",
+            100.0 * bare as f32 / body as f32,
+            100.0 * back as f32 / body as f32
+        );
         let corner = (number % 2 * size, number / 2 * size);
         for (i, c) in color.iter().enumerate() {
-            let pixel = c.to_array().map(|x| (x.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0) as u8);
-            picture.put_pixel((corner.0 + i % size) as u32, (corner.1 + i / size) as u32, image::Rgb(pixel));
+            let pixel = c
+                .to_array()
+                .map(|x| (x.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0) as u8);
+            picture.put_pixel(
+                (corner.0 + i % size) as u32,
+                (corner.1 + i / size) as u32,
+                image::Rgb(pixel),
+            );
         }
     }
     if let Err(error) = picture.save(&args.output) {

@@ -96,7 +96,15 @@ pub struct Jitter {
 
 impl Default for Jitter {
     fn default() -> Self {
-        Self { length: 0.06, width: 0.08, yaw: 3.0, roll: 4.0, lift: 1.0, hue: 2.0, value: 0.06 }
+        Self {
+            length: 0.06,
+            width: 0.08,
+            yaw: 3.0,
+            roll: 4.0,
+            lift: 1.0,
+            hue: 2.0,
+            value: 0.06,
+        }
     }
 }
 

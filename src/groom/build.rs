@@ -55,9 +55,16 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
     groom.validate(&groom.name)?;
     let skin = &bird.skin;
     if skin.triangles.is_empty() {
-        return Err(GroomError::Skin { mesh: 0, message: "has no triangle with an area".into() });
+        return Err(GroomError::Skin {
+            mesh: 0,
+            message: "has no triangle with an area".into(),
+        });
     }
-    let density = if density.is_finite() { density.clamp(0.01, 16.0) } else { 1.0 };
+    let density = if density.is_finite() {
+        density.clamp(0.01, 16.0)
+    } else {
+        1.0
+    };
     let mut warnings = Vec::new();
     let mut leaves = regions(bird, groom, seed, density, &mut warnings);
     let skinned = !bird.joints.is_empty() && !skin.weights.is_empty();
@@ -79,23 +86,46 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
             fans.extend(row_fans);
         }
     }
-    warnings.extend(missing.iter().map(|name| format!("{}: the skin has no joint {name:?}", groom.name)));
+    warnings.extend(
+        missing
+            .iter()
+            .map(|name| format!("{}: the skin has no joint {name:?}", groom.name)),
+    );
     let (mesh, geometry) = build_mesh(&mut leaves, skinned);
     let cards = leaves.iter().map(|leaf| leaf.card).collect();
-    Ok(Coat { cards, geometry, mesh, fans, warnings, crossings })
+    Ok(Coat {
+        cards,
+        geometry,
+        mesh,
+        fans,
+        warnings,
+        crossings,
+    })
 }
 
 /// Smallest distance between two different layer keys of the regions, at most 1: the room that each has for its own order.
 fn layer_room(regions: &[Region]) -> f32 {
     let mut keys: Vec<f32> = regions.iter().map(|region| region.layer).collect();
     keys.sort_by(f32::total_cmp);
-    keys.windows(2).map(|pair| pair[1] - pair[0]).filter(|gap| *gap > 1.0e-4).fold(1.0, f32::min)
+    keys.windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .filter(|gap| *gap > 1.0e-4)
+        .fold(1.0, f32::min)
 }
 
-fn regions(bird: &Bird, groom: &Groom, seed: u64, density: f32, warnings: &mut Vec<String>) -> Vec<Leaf> {
+fn regions(
+    bird: &Bird,
+    groom: &Groom,
+    seed: u64,
+    density: f32,
+    warnings: &mut Vec<String>,
+) -> Vec<Leaf> {
     let skin = &bird.skin;
-    let masks: Vec<Vec<bool>> =
-        groom.regions.iter().map(|region| select_triangles(&region.select, skin, &bird.joints, groom.unit)).collect();
+    let masks: Vec<Vec<bool>> = groom
+        .regions
+        .iter()
+        .map(|region| select_triangles(&region.select, skin, &bird.joints, groom.unit))
+        .collect();
     // One lay per set of guides: most regions share all of them.
     let mut lays: HashMap<Vec<bool>, (Vec<Vec3>, Vec<f32>)> = HashMap::new();
     let mut placed: Vec<Follicle> = Vec::new();
@@ -106,17 +136,34 @@ fn regions(bird: &Bird, groom: &Groom, seed: u64, density: f32, warnings: &mut V
     let joint_gap = joint_gap(&bird.joint_places);
     for (number, region) in groom.regions.iter().enumerate() {
         let mask = &masks[number];
-        let triangles: Vec<u32> = (0..mask.len() as u32).filter(|&t| mask[t as usize]).collect();
+        let triangles: Vec<u32> = (0..mask.len() as u32)
+            .filter(|&t| mask[t as usize])
+            .collect();
         if triangles.is_empty() {
-            warnings.push(format!("{}: region {:?} selects nothing", groom.name, region.name));
+            warnings.push(format!(
+                "{}: region {:?} selects nothing",
+                groom.name, region.name
+            ));
             continue;
         }
-        let chosen: Vec<bool> =
-            groom.guides.iter().map(|guide| guide.regions.is_empty() || guide.regions.contains(&region.name)).collect();
+        let chosen: Vec<bool> = groom
+            .guides
+            .iter()
+            .map(|guide| guide.regions.is_empty() || guide.regions.contains(&region.name))
+            .collect();
         let (lay, arc) = lays.entry(chosen).or_insert_with_key(|chosen| {
-            let guides = groom.guides.iter().zip(chosen).filter(|(_, chosen)| **chosen).map(|(guide, _)| guide);
+            let guides = groom
+                .guides
+                .iter()
+                .zip(chosen)
+                .filter(|(_, chosen)| **chosen)
+                .map(|(guide, _)| guide);
             let lay = lay_field(skin, guides, groom.unit);
-            let arc = if skin.tract_phi.is_empty() { arc_length(skin, &lay) } else { Vec::new() };
+            let arc = if skin.tract_phi.is_empty() {
+                arc_length(skin, &lay)
+            } else {
+                Vec::new()
+            };
             (lay, arc)
         });
         let below = clearance(groom, &masks, number, size);
@@ -126,7 +173,9 @@ fn regions(bird: &Bird, groom: &Groom, seed: u64, density: f32, warnings: &mut V
         let follicles = scatter(&field, region, count, own, &placed);
         for follicle in &follicles {
             let clearance = below[follicle.at.triangle as usize];
-            leaves.push(feather(skin, lay, groom, number, follicle, own, size, clearance, room, joint_gap));
+            leaves.push(feather(
+                skin, lay, groom, number, follicle, own, size, clearance, room, joint_gap,
+            ));
         }
         placed.extend(follicles);
     }
@@ -160,7 +209,11 @@ fn clearance(groom: &Groom, masks: &[Vec<bool>], number: usize, size: f32) -> Ve
         if other.layer >= groom.regions[number].layer {
             continue;
         }
-        let height = other.length.at(0.5) * size * groom.unit * other.lift.at(0.5).to_radians().sin().max(0.0) * rise(1.0);
+        let height = other.length.at(0.5)
+            * size
+            * groom.unit
+            * other.lift.at(0.5).to_radians().sin().max(0.0)
+            * rise(1.0);
         for (sum, taken) in heights.iter_mut().zip(mask) {
             if *taken {
                 *sum = sum.max(height);
@@ -176,8 +229,14 @@ fn joint_gap(places: &[Vec3]) -> f32 {
         .iter()
         .enumerate()
         .filter_map(|(i, a)| {
-            let others = places.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, b)| a.distance(*b));
-            others.filter(|distance| *distance > 1.0e-6).reduce(f32::min)
+            let others = places
+                .iter()
+                .enumerate()
+                .filter(|(j, _)| *j != i)
+                .map(|(_, b)| a.distance(*b));
+            others
+                .filter(|distance| *distance > 1.0e-6)
+                .reduce(f32::min)
         })
         .collect();
     gaps.sort_by(f32::total_cmp);
@@ -199,7 +258,11 @@ fn feather(
     let region = &groom.regions[number];
     let phi = follicle.phi;
     // Half a millimetre on a bird: the feather keeps its seed when others are added around it.
-    let seed = place_hash(own, follicle.position, (skin.mean_edge() * 0.05).max(1.0e-6));
+    let seed = place_hash(
+        own,
+        follicle.position,
+        (skin.mean_edge() * 0.05).max(1.0e-6),
+    );
     let mut draw = Stream::new(seed);
     let jitter = region.jitter;
     let length = region.length.at(phi) * size * groom.unit * (1.0 + jitter.length * draw.normal());
@@ -207,7 +270,12 @@ fn feather(
     let yaw = (jitter.yaw * draw.normal()).to_radians();
     let roll = (jitter.roll * draw.normal()).to_radians();
     let lift = (region.lift.at(phi) + jitter.lift * draw.normal()).to_radians();
-    let tint = vary(region.tint, phi, jitter.hue * draw.normal(), jitter.value * draw.normal());
+    let tint = vary(
+        region.tint,
+        phi,
+        jitter.hue * draw.normal(),
+        jitter.value * draw.normal(),
+    );
     let shape = Shape {
         length,
         width,
@@ -233,7 +301,8 @@ fn feather(
     } else {
         vec![root]
     };
-    let along = (shaft.points[1] - shaft.points[0]).normalize_or(shaft.normals[0].any_orthonormal_vector());
+    let along =
+        (shaft.points[1] - shaft.points[0]).normalize_or(shaft.normals[0].any_orthonormal_vector());
     let card = Card {
         root: shaft.points[0],
         along,
@@ -251,5 +320,11 @@ fn feather(
         seed: (seed >> 32) as u32,
         mirrored: false,
     };
-    Leaf { card, shaft, weights, camber: region.camber, columns: usize::from(region.segments.1) }
+    Leaf {
+        card,
+        shaft,
+        weights,
+        camber: region.camber,
+        columns: usize::from(region.segments.1),
+    }
 }

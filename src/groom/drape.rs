@@ -86,13 +86,22 @@ pub fn drape(skin: &SkinMesh, lay: &[Vec3], root: SurfacePoint, shape: &Shape) -
             // The line of a stiff feather may not cut into the skin nor sink below its own tail-ward neighbours.
             let floor = base + shape.length * slope.max(0.0) * 0.5 * rise(x);
             let height = (mixed - step.position).dot(step.normal);
-            if step.on_skin && height < floor { mixed + step.normal * (floor - height) } else { mixed }
+            if step.on_skin && height < floor {
+                mixed + step.normal * (floor - height)
+            } else {
+                mixed
+            }
         })
         .collect();
     let points = even(&target, shape, normal);
     let normals = frames(&points, &trace, shape.roll);
     let across = curvature_across(skin, &trace[segments / 2], shape.width);
-    Shaft { points, normals, below: trace.iter().map(|step| step.at).collect(), across }
+    Shaft {
+        points,
+        normals,
+        below: trace.iter().map(|step| step.at).collect(),
+        across,
+    }
 }
 
 /// One step of the trace.
@@ -105,14 +114,26 @@ struct Step {
     on_skin: bool,
 }
 
-fn trace(skin: &SkinMesh, lay: &[Vec3], root: SurfacePoint, shape: &Shape, segments: usize) -> Vec<Step> {
+fn trace(
+    skin: &SkinMesh,
+    lay: &[Vec3],
+    root: SurfacePoint,
+    shape: &Shape,
+    segments: usize,
+) -> Vec<Step> {
     let normal = skin.normal(root);
     let turned = |at: SurfacePoint, normal: Vec3| {
-        let along = tangent(skin.interpolate(lay, at), normal).unwrap_or_else(|| normal.any_orthonormal_vector());
+        let along = tangent(skin.interpolate(lay, at), normal)
+            .unwrap_or_else(|| normal.any_orthonormal_vector());
         Quat::from_axis_angle(normal, shape.yaw) * along
     };
-    let mut step =
-        Step { at: root, position: skin.position(root), normal, along: turned(root, normal), on_skin: true };
+    let mut step = Step {
+        at: root,
+        position: skin.position(root),
+        normal,
+        along: turned(root, normal),
+        on_skin: true,
+    };
     let mut list = vec![step];
     let parts = 8_usize.div_ceil(segments);
     let stride = shape.length / (segments * parts) as f32;
@@ -128,16 +149,31 @@ fn trace(skin: &SkinMesh, lay: &[Vec3], root: SurfacePoint, shape: &Shape, segme
             let position = skin.position(at);
             let normal = skin.normal(at);
             let bend = normal.dot(step.normal).clamp(-1.0, 1.0).acos().to_degrees();
-            if (normal - step.normal).dot(step.along) < 0.0 { concave += bend } else { convex += bend }
+            if (normal - step.normal).dot(step.along) < 0.0 {
+                concave += bend
+            } else {
+                convex += bend
+            }
             // Past an edge or a fold of the skin the feather goes straight on.
-            if position.distance(target) > 0.6 * stride || convex > FOLLOW_CONVEX || concave > FOLLOW_CONCAVE {
+            if position.distance(target) > 0.6 * stride
+                || convex > FOLLOW_CONVEX
+                || concave > FOLLOW_CONCAVE
+            {
                 step.on_skin = false;
                 step.position = target;
                 continue;
             }
             let carried = tangent(step.along, normal).unwrap_or(step.along);
-            let along = (carried + turned(at, normal)).try_normalize().unwrap_or(carried);
-            step = Step { at, position, normal, along: tangent(along, normal).unwrap_or(carried), on_skin: true };
+            let along = (carried + turned(at, normal))
+                .try_normalize()
+                .unwrap_or(carried);
+            step = Step {
+                at,
+                position,
+                normal,
+                along: tangent(along, normal).unwrap_or(carried),
+                on_skin: true,
+            };
         }
         list.push(step);
     }
@@ -179,7 +215,9 @@ fn frames(points: &[Vec3], trace: &[Step], roll: f32) -> Vec<Vec3> {
             let along = points[(i + 1).min(last)] - points[i.saturating_sub(1)];
             let along = along.try_normalize().unwrap_or(trace[i].along);
             let wanted = normal.lerp(trace[i].normal, 0.6);
-            normal = tangent(wanted, along).or_else(|| tangent(normal, along)).unwrap_or_else(|| along.any_orthonormal_vector());
+            normal = tangent(wanted, along)
+                .or_else(|| tangent(normal, along))
+                .unwrap_or_else(|| along.any_orthonormal_vector());
             Quat::from_axis_angle(along, roll) * normal
         })
         .collect()
@@ -191,7 +229,8 @@ fn curvature_across(skin: &SkinMesh, step: &Step, width: f32) -> f32 {
     }
     let side = step.along.cross(step.normal);
     let reach = 0.5 * width;
-    let normal_at = |sign: f32| skin.normal(skin.walk(step.at.triangle, step.position + side * (sign * reach)));
+    let normal_at =
+        |sign: f32| skin.normal(skin.walk(step.at.triangle, step.position + side * (sign * reach)));
     let turn = (normal_at(1.0) - normal_at(-1.0)).dot(side);
     let limit = 1.0 / width.max(f32::MIN_POSITIVE);
     (turn / width.max(f32::MIN_POSITIVE)).clamp(-limit, limit)

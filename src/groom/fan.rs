@@ -36,7 +36,12 @@ fn rotation(matrix: Mat3A) -> Quat {
 /// The root is skinned by the joints it rides on; the rotation is the normalised weighted sum of the rotations of those it
 /// follows (all turned into one half-space, so that the shorter way is taken); the scale is the model's.
 pub fn fan_transform(fan: &FanJoint, skinning: &[Affine3A]) -> Affine3A {
-    let known = |list: &[(u16, f32)]| list.iter().filter(|(j, _)| usize::from(*j) < skinning.len()).copied().collect::<Vec<_>>();
+    let known = |list: &[(u16, f32)]| {
+        list.iter()
+            .filter(|(j, _)| usize::from(*j) < skinning.len())
+            .copied()
+            .collect::<Vec<_>>()
+    };
     let (ride, follow) = (known(&fan.ride), known(&fan.follow));
     let mut matrix = Mat3A::ZERO;
     let mut position = Vec3::ZERO;
@@ -58,7 +63,11 @@ pub fn fan_transform(fan: &FanJoint, skinning: &[Affine3A]) -> Affine3A {
         let sign = if sum.dot(turn) < 0.0 { -1.0 } else { 1.0 };
         sum += turn * (*weight * sign);
     }
-    let turn = if sum.length_squared() > 1.0e-12 { sum.normalize() } else { rotation(matrix) };
+    let turn = if sum.length_squared() > 1.0e-12 {
+        sum.normalize()
+    } else {
+        rotation(matrix)
+    };
     Affine3A::from_scale_rotation_translation(Vec3::splat(scale), turn * fan.frame, position)
 }
 
@@ -69,13 +78,18 @@ pub fn fan_rows(
     mut transforms: Query<&mut GlobalTransform>,
 ) {
     for (fans, skin) in &cards {
-        let Some(bind) = poses.get(&skin.inverse_bindposes) else { continue };
+        let Some(bind) = poses.get(&skin.inverse_bindposes) else {
+            continue;
+        };
         let body = skin.joints.len().saturating_sub(fans.entities.len());
         let skinning: Vec<Affine3A> = skin.joints[..body]
             .iter()
             .zip(bind.iter())
             .map(|(joint, inverse)| {
-                let world = transforms.get(*joint).map(|transform| transform.affine()).unwrap_or(Affine3A::IDENTITY);
+                let world = transforms
+                    .get(*joint)
+                    .map(|transform| transform.affine())
+                    .unwrap_or(Affine3A::IDENTITY);
                 world * Affine3A::from_mat4(*inverse)
             })
             .collect();

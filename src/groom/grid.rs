@@ -14,13 +14,23 @@ pub struct PointGrid {
 impl PointGrid {
     /// An empty grid. `cell` is the side of a cube: queries of that radius are cheapest.
     pub fn new(cell: f32) -> Self {
-        Self { cell: if cell.is_finite() && cell > 0.0 { cell } else { 1.0 }, cells: HashMap::default() }
+        Self {
+            cell: if cell.is_finite() && cell > 0.0 {
+                cell
+            } else {
+                1.0
+            },
+            cells: HashMap::default(),
+        }
     }
 
     /// A grid of all these points, numbered in order.
     pub fn of(points: &[Vec3], cell: f32) -> Self {
         let mut grid = Self::new(cell);
-        points.iter().enumerate().for_each(|(i, &point)| grid.insert(i as u32, point));
+        points
+            .iter()
+            .enumerate()
+            .for_each(|(i, &point)| grid.insert(i as u32, point));
         grid
     }
 

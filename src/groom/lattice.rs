@@ -46,9 +46,16 @@ pub fn rows(field: &Field, region: &Region, rows: usize, count: usize, seed: u64
                 start += line[piece].length;
                 piece += 1;
             }
-            let t = if line[piece].length > 0.0 { ((s - start) / line[piece].length).clamp(0.0, 1.0) } else { 0.5 };
+            let t = if line[piece].length > 0.0 {
+                ((s - start) / line[piece].length).clamp(0.0, 1.0)
+            } else {
+                0.5
+            };
             let bary = line[piece].ends[0].1.lerp(line[piece].ends[1].1, t);
-            follicles.push(field.follicle(SurfacePoint { triangle: line[piece].triangle, bary }));
+            follicles.push(field.follicle(SurfacePoint {
+                triangle: line[piece].triangle,
+                bary,
+            }));
         }
     }
     follicles
@@ -57,15 +64,27 @@ pub fn rows(field: &Field, region: &Region, rows: usize, count: usize, seed: u64
 /// Shares `count` out in proportion to the wishes, by largest remainders; all zero if nothing is wished for.
 fn shares(wishes: &[f64], count: usize) -> Vec<usize> {
     let total: f64 = wishes.iter().sum();
-    if !(total > 0.0 && total.is_finite()) {
+    if total <= 0.0 || !total.is_finite() {
         return vec![0; wishes.len()];
     }
-    let exact: Vec<f64> = wishes.iter().map(|wish| wish / total * count as f64).collect();
+    let exact: Vec<f64> = wishes
+        .iter()
+        .map(|wish| wish / total * count as f64)
+        .collect();
     let mut shares: Vec<usize> = exact.iter().map(|x| x.floor() as usize).collect();
     let mut order: Vec<usize> = (0..wishes.len()).filter(|&i| wishes[i] > 0.0).collect();
-    order.sort_by(|&a, &b| exact[b].fract().total_cmp(&exact[a].fract()).then(a.cmp(&b)));
+    order.sort_by(|&a, &b| {
+        exact[b]
+            .fract()
+            .total_cmp(&exact[a].fract())
+            .then(a.cmp(&b))
+    });
     let missing = count.saturating_sub(shares.iter().sum());
-    order.iter().cycle().take(missing).for_each(|&i| shares[i] += 1);
+    order
+        .iter()
+        .cycle()
+        .take(missing)
+        .for_each(|&i| shares[i] += 1);
     shares
 }
 
@@ -82,12 +101,19 @@ fn line(field: &Field, level: f32) -> Vec<Piece> {
             if (values[a] < 0.0) != (values[b] < 0.0) {
                 let t = values[a] / (values[a] - values[b]);
                 let (low, high) = (nodes[a].min(nodes[b]) as u64, nodes[a].max(nodes[b]) as u64);
-                ends.push((low << 32 | high, corners[a].lerp(corners[b], t.clamp(0.0, 1.0))));
+                ends.push((
+                    low << 32 | high,
+                    corners[a].lerp(corners[b], t.clamp(0.0, 1.0)),
+                ));
             }
         }
         if let [a, b] = ends[..] {
             let place = |bary| field.skin.position(SurfacePoint { triangle, bary });
-            pieces.push(Piece { triangle, ends: [a, b], length: place(a.1).distance(place(b.1)) });
+            pieces.push(Piece {
+                triangle,
+                ends: [a, b],
+                length: place(a.1).distance(place(b.1)),
+            });
         }
     }
     chain(pieces)
@@ -96,7 +122,10 @@ fn line(field: &Field, level: f32) -> Vec<Piece> {
 fn chain(pieces: Vec<Piece>) -> Vec<Piece> {
     let mut by_side: HashMap<u64, Vec<usize>> = HashMap::new();
     for (i, piece) in pieces.iter().enumerate() {
-        piece.ends.iter().for_each(|end| by_side.entry(end.0).or_default().push(i));
+        piece
+            .ends
+            .iter()
+            .for_each(|end| by_side.entry(end.0).or_default().push(i));
     }
     let mut used = vec![false; pieces.len()];
     let mut chained = Vec::with_capacity(pieces.len());
@@ -116,7 +145,9 @@ fn chain(pieces: Vec<Piece>) -> Vec<Piece> {
                 }
                 chained.push(piece);
                 let side = piece.ends[1].0;
-                let Some(&next) = by_side[&side].iter().find(|&&other| !used[other]) else { break };
+                let Some(&next) = by_side[&side].iter().find(|&&other| !used[other]) else {
+                    break;
+                };
                 entry = usize::from(pieces[next].ends[0].0 != side);
                 current = next;
             }

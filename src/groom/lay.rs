@@ -29,13 +29,24 @@ pub fn tangent(direction: Vec3, normal: Vec3) -> Option<Vec3> {
 /// Each node blends the eight nearest guide strokes by 1/(d^3 + e^3) (the bird study, section 4.3). A stroke is carried from
 /// the normal of the skin below it to the node's normal, and counts less the more these differ: so the upper face of a wing
 /// does not follow the guides of the lower.
-pub fn lay_field<'a>(skin: &SkinMesh, guides: impl Iterator<Item = &'a Guide>, unit: f32) -> Vec<Vec3> {
+pub fn lay_field<'a>(
+    skin: &SkinMesh,
+    guides: impl Iterator<Item = &'a Guide>,
+    unit: f32,
+) -> Vec<Vec3> {
     let strokes = strokes(skin, guides, unit);
     let default = |normal: Vec3| {
-        tangent(DEFAULT_LAY, normal).or_else(|| tangent(Vec3::NEG_Y, normal)).unwrap_or_else(|| normal.any_orthonormal_vector())
+        tangent(DEFAULT_LAY, normal)
+            .or_else(|| tangent(Vec3::NEG_Y, normal))
+            .unwrap_or_else(|| normal.any_orthonormal_vector())
     };
-    let tree: Option<ImmutableKdTree<f32, 3>> =
-        ImmutableKdTree::new_from_slice(&strokes.iter().map(|stroke| stroke.middle.to_array()).collect::<Vec<_>>()).ok();
+    let tree: Option<ImmutableKdTree<f32, 3>> = ImmutableKdTree::new_from_slice(
+        &strokes
+            .iter()
+            .map(|stroke| stroke.middle.to_array())
+            .collect::<Vec<_>>(),
+    )
+    .ok();
     let Some(tree) = tree.filter(|_| !strokes.is_empty()) else {
         return skin.normals.iter().map(|&normal| default(normal)).collect();
     };
@@ -46,7 +57,10 @@ pub fn lay_field<'a>(skin: &SkinMesh, guides: impl Iterator<Item = &'a Guide>, u
         .iter()
         .zip(&skin.normals)
         .map(|(node, &normal)| {
-            let found = tree.query(&node.to_array()).nearest_n::<SquaredEuclidean<f32>>(nearest).execute();
+            let found = tree
+                .query(&node.to_array())
+                .nearest_n::<SquaredEuclidean<f32>>(nearest)
+                .execute();
             let sum = found.into_iter().fold(Vec3::ZERO, |sum, item| {
                 let stroke = &strokes[item.item as usize];
                 let facing = (0.5 + 0.5 * stroke.normal.dot(normal)).clamp(0.02, 1.0);
@@ -70,7 +84,10 @@ fn smooth(skin: &SkinMesh, field: &mut Vec<Vec3>) {
     for _ in 0..SMOOTHING {
         for (node, value) in next.iter_mut().enumerate() {
             let ring = skin.neighbours(node);
-            let mean = ring.iter().fold(Vec3::ZERO, |sum, &other| sum + field[other as usize]) / ring.len().max(1) as f32;
+            let mean = ring
+                .iter()
+                .fold(Vec3::ZERO, |sum, &other| sum + field[other as usize])
+                / ring.len().max(1) as f32;
             *value = tangent(field[node] + mean, skin.normals[node]).unwrap_or(field[node]);
         }
         std::mem::swap(field, &mut next);
@@ -86,12 +103,21 @@ fn strokes<'a>(skin: &SkinMesh, guides: impl Iterator<Item = &'a Guide>, unit: f
         for side in sides {
             let flip = Vec3::new(*side, 1.0, 1.0) * unit;
             for pair in guide.points.windows(2) {
-                let (a, b) = (Vec3::from_array(pair[0]) * flip, Vec3::from_array(pair[1]) * flip);
-                let Some(direction) = (b - a).try_normalize() else { continue };
+                let (a, b) = (
+                    Vec3::from_array(pair[0]) * flip,
+                    Vec3::from_array(pair[1]) * flip,
+                );
+                let Some(direction) = (b - a).try_normalize() else {
+                    continue;
+                };
                 let count = ((b - a).length() / step).ceil().clamp(1.0, 64.0) as usize;
                 for i in 0..count {
                     let middle = a.lerp(b, (i as f32 + 0.5) / count as f32);
-                    strokes.push(Stroke { middle, direction, normal: Vec3::ZERO });
+                    strokes.push(Stroke {
+                        middle,
+                        direction,
+                        normal: Vec3::ZERO,
+                    });
                 }
             }
         }
@@ -100,9 +126,14 @@ fn strokes<'a>(skin: &SkinMesh, guides: impl Iterator<Item = &'a Guide>, unit: f
         return strokes;
     }
     let nodes: Vec<[f32; 3]> = skin.nodes.iter().map(|node| node.to_array()).collect();
-    let Ok(tree) = ImmutableKdTree::<f32, 3>::new_from_slice(&nodes) else { return Vec::new() };
+    let Ok(tree) = ImmutableKdTree::<f32, 3>::new_from_slice(&nodes) else {
+        return Vec::new();
+    };
     for stroke in &mut strokes {
-        let found = tree.query(&stroke.middle.to_array()).nearest_one::<SquaredEuclidean<f32>>().execute();
+        let found = tree
+            .query(&stroke.middle.to_array())
+            .nearest_one::<SquaredEuclidean<f32>>()
+            .execute();
         stroke.normal = skin.normals[found.item as usize];
         stroke.direction = tangent(stroke.direction, stroke.normal).unwrap_or(stroke.direction);
     }
@@ -114,16 +145,36 @@ fn strokes<'a>(skin: &SkinMesh, guides: impl Iterator<Item = &'a Guide>, unit: f
 pub fn arc_length(skin: &SkinMesh, field: &[Vec3]) -> Vec<f32> {
     let count = skin.nodes.len();
     let apply = |x: &[f32]| -> Vec<f32> {
-        (0..count).map(|i| skin.neighbours(i).iter().map(|&j| x[i] - x[j as usize]).sum()).collect()
+        (0..count)
+            .map(|i| {
+                skin.neighbours(i)
+                    .iter()
+                    .map(|&j| x[i] - x[j as usize])
+                    .sum()
+            })
+            .collect()
     };
     let target: Vec<f32> = (0..count)
         .map(|i| {
             let edges = skin.neighbours(i).iter();
-            -edges.map(|&j| (skin.nodes[j as usize] - skin.nodes[i]).dot(field[i] + field[j as usize]) * 0.5).sum::<f32>()
+            -edges
+                .map(|&j| {
+                    (skin.nodes[j as usize] - skin.nodes[i]).dot(field[i] + field[j as usize]) * 0.5
+                })
+                .sum::<f32>()
         })
         .collect();
-    let dot = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(x, y)| f64::from(*x) * f64::from(*y)).sum::<f64>();
-    let mut x: Vec<f32> = skin.nodes.iter().map(|node| node.dot(DEFAULT_LAY)).collect();
+    let dot = |a: &[f32], b: &[f32]| {
+        a.iter()
+            .zip(b)
+            .map(|(x, y)| f64::from(*x) * f64::from(*y))
+            .sum::<f64>()
+    };
+    let mut x: Vec<f32> = skin
+        .nodes
+        .iter()
+        .map(|node| node.dot(DEFAULT_LAY))
+        .collect();
     let image = apply(&x);
     let mut residual: Vec<f32> = target.iter().zip(&image).map(|(b, a)| b - a).collect();
     let mut search = residual.clone();
@@ -146,7 +197,10 @@ pub fn arc_length(skin: &SkinMesh, field: &[Vec3]) -> Vec<f32> {
         let next = dot(&residual, &residual);
         let keep = (next / energy) as f32;
         energy = next;
-        search.iter_mut().zip(&residual).for_each(|(s, r)| *s = r + keep * *s);
+        search
+            .iter_mut()
+            .zip(&residual)
+            .for_each(|(s, r)| *s = r + keep * *s);
     }
     x
 }

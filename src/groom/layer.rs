@@ -5,18 +5,20 @@
 //! turn about their roots, the upper up and the lower down, until they part (the bird study, section 4.5).
 
 use super::{grid::PointGrid, leaf::Leaf};
-use bevy::math::Vec3;
+use bevy::math::{Vec2, Vec3};
 
 /// Rounds of settling.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 20;
 /// Stations along a feather that are compared.
 const STATIONS: usize = 3;
 /// Places across it.
 const ACROSS: [f32; 3] = [-0.55, 0.0, 0.55];
-/// Furthest a feather may rise or sink from its rest, radians.
-const LIMITS: (f32, f32) = (-0.03, 0.21);
-/// Depth, in widths, below which two feathers count as touching (0.3 mm on a contour feather).
-const TOUCH: f32 = 0.015;
+/// Furthest turns down, about the root and about the shaft, radians.
+const LOWEST: Vec2 = Vec2::new(-0.05, -0.2);
+/// Furthest turns up.
+const HIGHEST: Vec2 = Vec2::new(0.16, 0.2);
+/// Depth, in widths, below which two feathers count as touching (0.2 mm on a contour feather).
+const TOUCH: f32 = 0.01;
 
 /// Pairs of neighbouring feathers that were compared, and those that still cross.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,62 +38,80 @@ struct Sample {
     normal: Vec3,
     /// Distance from the root along the shaft: the lever of a turn about the root.
     lever: f32,
+    /// Distance from the shaft, to the right: the lever of a turn about the shaft.
+    aside: f32,
 }
 
 /// A sample of one feather over the plane of another's nearest sample.
 struct Contact {
     upper: u32,
     lower: u32,
-    upper_lever: f32,
-    lower_lever: f32,
+    /// Levers of the upper: about the root, about the shaft.
+    upper_levers: Vec2,
+    /// Levers of the lower.
+    lower_levers: Vec2,
     /// Height of the upper over the lower before settling.
     gap: f32,
     touch: f32,
 }
 
 /// Turns feathers about their roots until those with the higher layer lie above, as far as they can.
+///
+/// Every contact in turn is parted half by the upper, half by the lower (projection, as in position-based dynamics). Lifting
+/// only the upper would part each pair at once, but where the lay converges the lifts add up and run through the whole coat.
 pub fn settle(leaves: &mut [Leaf]) -> Crossings {
-    let contacts = contacts(leaves);
-    let mut turns = vec![0.0_f32; leaves.len()];
-    let count = |turns: &[f32]| crossing_pairs(&contacts, turns);
+    let mut contacts = contacts(leaves);
+    let mut turns = vec![Vec2::ZERO; leaves.len()];
     let mut result = Crossings::default();
-    (result.pairs, result.before) = count(&turns);
-    let (mut up, mut down) = (vec![0.0_f32; leaves.len()], vec![0.0_f32; leaves.len()]);
+    (result.pairs, result.before) = crossing_pairs(&contacts, &turns);
+    let key = |leaf: u32| leaves[leaf as usize].card.layer;
+    contacts.sort_by(|a, b| {
+        let layer = key(a.upper).total_cmp(&key(b.upper));
+        layer
+            .then(a.upper.cmp(&b.upper))
+            .then(a.lower.cmp(&b.lower))
+    });
     for _ in 0..ROUNDS {
-        up.fill(0.0);
-        down.fill(0.0);
         for contact in &contacts {
             let depth = contact.touch - gap(contact, &turns);
             if depth > 0.0 {
-                let (a, b) = (contact.upper as usize, contact.lower as usize);
-                up[a] = up[a].max(0.5 * depth / contact.upper_lever);
-                down[b] = down[b].max(0.5 * depth / contact.lower_lever);
+                let (a, b) = (contact.upper_levers, contact.lower_levers);
+                let share =
+                    depth / (a.length_squared() + b.length_squared()).max(f32::MIN_POSITIVE);
+                let (upper, lower) = (contact.upper as usize, contact.lower as usize);
+                turns[upper] = (turns[upper] + a * share).clamp(LOWEST, HIGHEST);
+                turns[lower] = (turns[lower] - b * share).clamp(LOWEST, HIGHEST);
             }
         }
-        for (turn, (up, down)) in turns.iter_mut().zip(up.iter().zip(&down)) {
-            *turn = (*turn + up - down).clamp(LIMITS.0, LIMITS.1);
-        }
     }
-    result.left = count(&turns).1;
+    result.left = crossing_pairs(&contacts, &turns).1;
     for (leaf, turn) in leaves.iter_mut().zip(turns) {
         turn_leaf(leaf, turn);
     }
     result
 }
 
-fn gap(contact: &Contact, turns: &[f32]) -> f32 {
-    let rise = turns[contact.upper as usize] * contact.upper_lever - turns[contact.lower as usize] * contact.lower_lever;
-    contact.gap + rise
+fn gap(contact: &Contact, turns: &[Vec2]) -> f32 {
+    let upper = turns[contact.upper as usize].dot(contact.upper_levers);
+    contact.gap + upper - turns[contact.lower as usize].dot(contact.lower_levers)
 }
 
 /// Number of pairs in contact, and of those that cross.
-fn crossing_pairs(contacts: &[Contact], turns: &[f32]) -> (usize, usize) {
+fn crossing_pairs(contacts: &[Contact], turns: &[Vec2]) -> (usize, usize) {
     let mut pairs: Vec<(u64, bool)> = contacts
         .iter()
-        .map(|contact| (u64::from(contact.upper) << 32 | u64::from(contact.lower), gap(contact, turns) < -contact.touch))
+        .map(|contact| {
+            (
+                u64::from(contact.upper) << 32 | u64::from(contact.lower),
+                gap(contact, turns) < -contact.touch,
+            )
+        })
         .collect();
     pairs.sort_unstable();
-    let crossing = pairs.iter().filter(|(_, crosses)| *crosses).map(|(pair, _)| *pair);
+    let crossing = pairs
+        .iter()
+        .filter(|(_, crosses)| *crosses)
+        .map(|(pair, _)| *pair);
     let mut crossing: Vec<u64> = crossing.collect();
     crossing.dedup();
     pairs.dedup_by_key(|(pair, _)| *pair);
@@ -115,14 +135,17 @@ fn contacts(leaves: &[Leaf]) -> Vec<Contact> {
             samples.extend(across.iter().map(|&x| Sample {
                 leaf: number as u32,
                 place: leaf.place(i, x),
-                normal: leaf.shaft.normals[i],
+                normal: leaf.normal(i, x),
                 lever: lever.max(0.25 * leaf.card.length),
+                aside: 0.5 * x * leaf.card.width,
             }));
         }
     }
     let mut widths: Vec<f32> = leaves.iter().map(|leaf| leaf.card.width).collect();
     widths.sort_by(f32::total_cmp);
-    let Some(&median) = widths.get(widths.len() / 2) else { return Vec::new() };
+    let Some(&median) = widths.get(widths.len() / 2) else {
+        return Vec::new();
+    };
     let places: Vec<Vec3> = samples.iter().map(|sample| sample.place).collect();
     let grid = PointGrid::of(&places, 0.5 * median);
     let mut contacts = Vec::new();
@@ -134,7 +157,10 @@ fn contacts(leaves: &[Leaf]) -> Vec<Contact> {
         grid.near(sample.place, radius, |j| {
             let other = &samples[j as usize];
             let distance = other.place.distance_squared(sample.place);
-            if other.leaf == sample.leaf || distance > radius * radius || other.normal.dot(sample.normal) < 0.5 {
+            if other.leaf == sample.leaf
+                || distance > radius * radius
+                || other.normal.dot(sample.normal) < 0.5
+            {
                 return;
             }
             match nearest.iter_mut().find(|(leaf, ..)| *leaf == other.leaf) {
@@ -149,17 +175,21 @@ fn contacts(leaves: &[Leaf]) -> Vec<Contact> {
             let delta = sample.place - under.place;
             let height = delta.dot(under.normal);
             // Beside the other's blade there is nothing to cross.
-            if (delta - under.normal * height).length() > 0.3 * other_leaf.card.width {
+            if (delta - under.normal * height).length() > 0.22 * other_leaf.card.width {
                 continue;
             }
             let above = (leaf.card.layer, sample.leaf) > (other_leaf.card.layer, other);
             let touch = TOUCH * leaf.card.width.min(other_leaf.card.width);
-            let (upper, lower, gap) = if above { (sample, under, height) } else { (under, sample, -height) };
+            let (upper, lower, gap) = if above {
+                (sample, under, height)
+            } else {
+                (under, sample, -height)
+            };
             contacts.push(Contact {
                 upper: upper.leaf,
                 lower: lower.leaf,
-                upper_lever: upper.lever,
-                lower_lever: lower.lever,
+                upper_levers: Vec2::new(upper.lever, upper.aside),
+                lower_levers: Vec2::new(lower.lever, lower.aside),
                 gap,
                 touch,
             });
@@ -168,16 +198,24 @@ fn contacts(leaves: &[Leaf]) -> Vec<Contact> {
     contacts
 }
 
-/// Turns a feather about its root by a small angle, up if positive.
-fn turn_leaf(leaf: &mut Leaf, angle: f32) {
+/// Turns a feather by small angles: about its root, up if positive, and about its shaft, right side up if positive.
+fn turn_leaf(leaf: &mut Leaf, turn: Vec2) {
     let last = leaf.shaft.points.len() - 1;
     let step = leaf.card.length / last as f32;
     let along: Vec<Vec3> = (0..=last).map(|i| leaf.along(i)).collect();
     for (i, along) in along.into_iter().enumerate() {
         let normal = leaf.shaft.normals[i];
+<<<<<<< HEAD
         leaf.shaft.points[i] += normal * (angle * step * i as f32);
         leaf.shaft.normals[i] = (normal - along * angle).try_normalize().unwrap_or(normal);
+=======
+        let side = along.cross(normal);
+        leaf.shaft.points[i] += normal * (turn.x * step * i as f32);
+        let turned = normal - along * turn.x - side * turn.y;
+        leaf.shaft.normals[i] = turned.try_normalize().unwrap_or(normal);
+>>>>>>> groom
     }
-    leaf.card.along = (leaf.card.along + leaf.card.normal * angle).try_normalize().unwrap_or(leaf.card.along);
+    let span = leaf.shaft.points[1] - leaf.shaft.points[0];
+    leaf.card.along = span.try_normalize().unwrap_or(leaf.card.along);
     leaf.card.normal = leaf.shaft.normals[0];
 }

@@ -29,20 +29,35 @@ impl Leaf {
         span.try_normalize().unwrap_or(self.card.along)
     }
 
+    /// How far the sides of the card lie below its middle, metres.
+    fn fall(&self) -> f32 {
+        let half = 0.5 * self.card.width;
+        // With the feather's own camber, or with the skin below where that is rounder.
+        (self.camber * self.card.width).max(0.5 * self.shaft.across * half * half)
+    }
+
+    /// Unit normal of the front face at a point of the shaft and `x` in -1..1 across.
+    pub fn normal(&self, i: usize, x: f32) -> Vec3 {
+        let normal = self.shaft.normals[i];
+        let side = self.along(i).cross(normal);
+        let slope = 4.0 * self.fall() * x / self.card.width.max(f32::MIN_POSITIVE);
+        (normal + side * slope).normalize_or(normal)
+    }
+
     /// Place of the card at a point of the shaft and `x` in -1..1 across (left to right seen from the front, tip up).
     pub fn place(&self, i: usize, x: f32) -> Vec3 {
         let normal = self.shaft.normals[i];
         let side = self.along(i).cross(normal);
         let half = 0.5 * self.card.width;
-        // Sides fall away with the feather's own camber and, mostly, with the skin below.
-        let fall = self.camber * self.card.width + 0.4 * self.shaft.across * half * half;
+        let fall = self.fall();
         self.shaft.points[i] + side * (x * half) - normal * (fall * x * x)
     }
 }
 
 /// Colour of a feather at phi, varied: linear RGB. `hue` in degrees, `value` relative.
 pub fn vary(tint: Tint, phi: f32, hue: f32, value: f32) -> [f32; 3] {
-    let mixed: [f32; 3] = std::array::from_fn(|i| tint.0[i] + (tint.1[i] - tint.0[i]) * phi.clamp(0.0, 1.0));
+    let mixed: [f32; 3] =
+        std::array::from_fn(|i| tint.0[i] + (tint.1[i] - tint.0[i]) * phi.clamp(0.0, 1.0));
     let mut hsva = Hsva::from(Srgba::rgb(mixed[0], mixed[1], mixed[2]));
     hsva.hue = (hsva.hue + hue).rem_euclid(360.0);
     hsva.value = (hsva.value * (1.0 + value)).clamp(0.0, 1.0);

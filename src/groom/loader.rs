@@ -2,7 +2,10 @@
 
 use super::{asset::Groom, error::GroomError};
 use bevy::{
-    asset::{AssetLoader, AssetPath, AsyncWriteExt, LoadContext, io::Reader, io::Writer, saver::AssetSaver, saver::SavedAsset},
+    asset::{
+        AssetLoader, AssetPath, AsyncWriteExt, LoadContext, io::Reader, io::Writer,
+        saver::AssetSaver, saver::SavedAsset,
+    },
     reflect::TypePath,
 };
 
@@ -15,13 +18,23 @@ impl AssetLoader for GroomLoader {
     type Settings = ();
     type Error = GroomError;
 
-    async fn load(&self, reader: &mut dyn Reader, _: &(), context: &mut LoadContext<'_>) -> Result<Groom, GroomError> {
+    async fn load(
+        &self,
+        reader: &mut dyn Reader,
+        _: &(),
+        context: &mut LoadContext<'_>,
+    ) -> Result<Groom, GroomError> {
         let file = context.path().to_string();
         let mut bytes = Vec::new();
         let read = reader.read_to_end(&mut bytes).await;
-        read.map_err(|error| GroomError::Read { file: file.clone(), message: error.to_string() })?;
-        let text = std::str::from_utf8(&bytes)
-            .map_err(|error| GroomError::Read { file: file.clone(), message: error.to_string() })?;
+        read.map_err(|error| GroomError::Read {
+            file: file.clone(),
+            message: error.to_string(),
+        })?;
+        let text = std::str::from_utf8(&bytes).map_err(|error| GroomError::Read {
+            file: file.clone(),
+            message: error.to_string(),
+        })?;
         Groom::from_ron(text, &file)
     }
 
@@ -51,6 +64,9 @@ impl AssetSaver for GroomSaver {
         asset.get().validate(&file)?;
         let text = asset.get().to_ron(&file)?;
         let written = writer.write_all(text.as_bytes()).await;
-        written.map_err(|error| GroomError::Write { file, message: error.to_string() })
+        written.map_err(|error| GroomError::Write {
+            file,
+            message: error.to_string(),
+        })
     }
 }

@@ -14,7 +14,10 @@ use bevy::{
 /// seen from the front, tip up; v from root to tip); `UV_1` card number and layer rank 0..1; and, if the bird is skinned,
 /// `JOINT_INDEX` and `JOINT_WEIGHT`. Triangles of higher layers come first, so that the depth test drops what they cover.
 pub fn build_mesh(leaves: &mut [Leaf], skinned: bool) -> (Mesh, Vec<CardGeometry>) {
-    let count: usize = leaves.iter().map(|leaf| leaf.shaft.points.len() * (leaf.columns + 1)).sum();
+    let count: usize = leaves
+        .iter()
+        .map(|leaf| leaf.shaft.points.len() * (leaf.columns + 1))
+        .sum();
     let mut positions = Vec::with_capacity(count);
     let mut normals = Vec::with_capacity(count);
     let mut tangents = Vec::with_capacity(count);
@@ -24,7 +27,13 @@ pub fn build_mesh(leaves: &mut [Leaf], skinned: bool) -> (Mesh, Vec<CardGeometry
     let mut weights = Vec::with_capacity(count);
     let mut geometry = Vec::with_capacity(leaves.len());
     let mut order: Vec<usize> = (0..leaves.len()).collect();
-    order.sort_by(|&a, &b| leaves[b].card.layer.total_cmp(&leaves[a].card.layer).then(a.cmp(&b)));
+    order.sort_by(|&a, &b| {
+        leaves[b]
+            .card
+            .layer
+            .total_cmp(&leaves[a].card.layer)
+            .then(a.cmp(&b))
+    });
     let mut rank = vec![0.0; leaves.len()];
     for (place, &leaf) in order.iter().enumerate() {
         rank[leaf] = 1.0 - (place as f32 + 0.5) / leaves.len() as f32;
@@ -33,32 +42,61 @@ pub fn build_mesh(leaves: &mut [Leaf], skinned: bool) -> (Mesh, Vec<CardGeometry
         let first = positions.len();
         let rows = leaf.shaft.points.len();
         let grid: Vec<Vec<Vec3>> = (0..rows)
-            .map(|i| (0..=leaf.columns).map(|j| leaf.place(i, 2.0 * j as f32 / leaf.columns as f32 - 1.0)).collect())
+            .map(|i| {
+                (0..=leaf.columns)
+                    .map(|j| leaf.place(i, 2.0 * j as f32 / leaf.columns as f32 - 1.0))
+                    .collect()
+            })
             .collect();
         for i in 0..rows {
             let along = leaf.along(i);
-            let (joint, weight) = leaf.weights.get(i).or(leaf.weights.last()).copied().unwrap_or_default();
+            let (joint, weight) = leaf
+                .weights
+                .get(i)
+                .or(leaf.weights.last())
+                .copied()
+                .unwrap_or_default();
             for j in 0..=leaf.columns {
                 let across = grid[i][(j + 1).min(leaf.columns)] - grid[i][j.saturating_sub(1)];
                 let down = grid[(i + 1).min(rows - 1)][j] - grid[i.saturating_sub(1)][j];
-                let normal = across.cross(down).try_normalize().unwrap_or(leaf.shaft.normals[i]);
-                let tangent = (along - normal * along.dot(normal)).try_normalize().unwrap_or(leaf.card.along);
+                let normal = across
+                    .cross(down)
+                    .try_normalize()
+                    .unwrap_or(leaf.shaft.normals[i]);
+                let tangent = (along - normal * along.dot(normal))
+                    .try_normalize()
+                    .unwrap_or(leaf.card.along);
                 let u = j as f32 / leaf.columns as f32;
                 let mirrored = leaf.card.mirrored;
                 positions.push(grid[i][j].to_array());
                 normals.push(normal.to_array());
                 tangents.push(tangent.extend(if mirrored { 1.0 } else { -1.0 }).to_array());
-                uvs.push([if mirrored { 1.0 - u } else { u }, i as f32 / (rows - 1) as f32]);
+                uvs.push([
+                    if mirrored { 1.0 - u } else { u },
+                    i as f32 / (rows - 1) as f32,
+                ]);
                 ids.push([number as f32, rank[number]]);
                 joints.push(joint);
                 weights.push(weight);
             }
         }
-        let (low, high) = grid.iter().flatten().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));
+        let (low, high) = grid
+            .iter()
+            .flatten()
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| {
+                (a.min(*p), b.max(*p))
+            });
         leaf.card.center = 0.5 * (low + high);
-        leaf.card.radius = grid.iter().flatten().map(|p| p.distance(leaf.card.center)).fold(0.0, f32::max);
+        leaf.card.radius = grid
+            .iter()
+            .flatten()
+            .map(|p| p.distance(leaf.card.center))
+            .fold(0.0, f32::max);
         let vertex_count = (positions.len() - first) as u32;
-        geometry.push(CardGeometry { first_vertex: first as u32, vertex_count });
+        geometry.push(CardGeometry {
+            first_vertex: first as u32,
+            vertex_count,
+        });
     }
     let mut indices: Vec<u32> = Vec::new();
     for number in order {
@@ -71,14 +109,20 @@ pub fn build_mesh(leaves: &mut [Leaf], skinned: bool) -> (Mesh, Vec<CardGeometry
             }
         }
     }
-    let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
+    let mut mesh = Mesh::new(
+        PrimitiveTopology::TriangleList,
+        RenderAssetUsages::default(),
+    );
     mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
     mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
     mesh.insert_attribute(Mesh::ATTRIBUTE_TANGENT, tangents);
     mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, uvs);
     mesh.insert_attribute(Mesh::ATTRIBUTE_UV_1, ids);
     if skinned {
-        mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, VertexAttributeValues::Uint16x4(joints));
+        mesh.insert_attribute(
+            Mesh::ATTRIBUTE_JOINT_INDEX,
+            VertexAttributeValues::Uint16x4(joints),
+        );
         mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
     }
     mesh.insert_indices(Indices::U32(indices));

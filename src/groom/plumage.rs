@@ -48,14 +48,21 @@ pub struct Plumage {
 
 impl Default for Plumage {
     fn default() -> Self {
-        Self { groom: Handle::default(), seed: 0, density: 1.0 }
+        Self {
+            groom: Handle::default(),
+            seed: 0,
+            density: 1.0,
+        }
     }
 }
 
 impl Plumage {
     /// Plumage after a groom, seed 0, density 1.
     pub fn new(groom: Handle<Groom>) -> Self {
-        Self { groom, ..Self::default() }
+        Self {
+            groom,
+            ..Self::default()
+        }
     }
 
     /// With this seed.
@@ -151,12 +158,21 @@ impl Plugin for GroomPlugin {
             .init_asset_loader::<GroomLoader>()
             .register_type::<Plumage>()
             .register_type::<PlumageState>()
-            .add_systems(Update, (drop_removed, request, start, finish).chain().in_set(GroomSystems))
+            .add_systems(
+                Update,
+                (drop_removed, request, start, finish)
+                    .chain()
+                    .in_set(GroomSystems),
+            )
             .add_systems(PostUpdate, fan_rows.after(TransformSystems::Propagate));
     }
 }
 
-fn drop_removed(mut commands: Commands, mut removed: RemovedComponents<Plumage>, outputs: Query<&PlumageOutput, Without<Plumage>>) {
+fn drop_removed(
+    mut commands: Commands,
+    mut removed: RemovedComponents<Plumage>,
+    outputs: Query<&PlumageOutput, Without<Plumage>>,
+) {
     for owner in removed.read() {
         if let Ok(output) = outputs.get(owner) {
             commands.entity(output.0).try_despawn();
@@ -174,7 +190,13 @@ fn request(
 ) {
     let modified: Vec<_> = events
         .read()
-        .filter_map(|event| if let AssetEvent::Modified { id } = event { Some(*id) } else { None })
+        .filter_map(|event| {
+            if let AssetEvent::Modified { id } = event {
+                Some(*id)
+            } else {
+                None
+            }
+        })
         .collect();
     for (entity, plumage, mut state) in &mut birds {
         if plumage.is_changed() || modified.contains(&plumage.groom.id()) {
@@ -209,7 +231,9 @@ impl Meshes<'_, '_> {
     fn find(&self, owner: Entity) -> Option<(Target, Input)> {
         let mut found = Vec::new();
         for entity in std::iter::once(owner).chain(self.children.iter_descendants(owner)) {
-            let Ok((handle, skin)) = self.meshes.get(entity) else { continue };
+            let Ok((handle, skin)) = self.meshes.get(entity) else {
+                continue;
+            };
             let mesh = self.assets.get(&handle.0)?;
             let bind = match skin {
                 Some(skin) => Some((skin, self.poses.get(&skin.inverse_bindposes)?)),
@@ -219,17 +243,29 @@ impl Meshes<'_, '_> {
         }
         let any_skinned = found.iter().any(|(_, _, bind)| bind.is_some());
         found.retain(|(_, _, bind)| bind.is_some() == any_skinned);
-        let has_tracts = |mesh: &Mesh| mesh.try_attribute_option(Mesh::ATTRIBUTE_UV_1).is_ok_and(|values| values.is_some());
-        let vertices = |mesh: &Mesh| mesh.try_attribute(Mesh::ATTRIBUTE_POSITION).map_or(0, |values| values.len());
+        let has_tracts = |mesh: &Mesh| {
+            mesh.try_attribute_option(Mesh::ATTRIBUTE_UV_1)
+                .is_ok_and(|values| values.is_some())
+        };
+        let vertices = |mesh: &Mesh| {
+            mesh.try_attribute(Mesh::ATTRIBUTE_POSITION)
+                .map_or(0, |values| values.len())
+        };
         if any_skinned && found.iter().any(|(_, mesh, _)| has_tracts(mesh)) {
             found.retain(|(_, mesh, _)| has_tracts(mesh));
         } else {
             let largest = found.iter().map(|(_, mesh, _)| vertices(mesh)).max()?;
-            let first = found.iter().position(|(_, mesh, _)| vertices(mesh) == largest)?;
+            let first = found
+                .iter()
+                .position(|(_, mesh, _)| vertices(mesh) == largest)?;
             found = vec![found.swap_remove(first)];
         }
         let mesh = found.first()?.0;
-        let mut target = Target { mesh, joints: Vec::new(), inverse_bind: Vec::new() };
+        let mut target = Target {
+            mesh,
+            joints: Vec::new(),
+            inverse_bind: Vec::new(),
+        };
         let mut known: HashMap<Entity, u16> = HashMap::default();
         let mut maps = Vec::new();
         for (_, _, bind) in &found {
@@ -237,17 +273,35 @@ impl Meshes<'_, '_> {
             let index = |(number, &joint): (usize, &Entity)| {
                 *known.entry(joint).or_insert_with(|| {
                     target.joints.push(joint);
-                    target.inverse_bind.push(bind.get(number).copied().unwrap_or(Mat4::IDENTITY));
+                    target
+                        .inverse_bind
+                        .push(bind.get(number).copied().unwrap_or(Mat4::IDENTITY));
                     (target.joints.len() - 1) as u16
                 })
             };
             maps.push(skin.joints.iter().enumerate().map(index).collect());
         }
-        let name = |joint: &Entity| self.names.get(*joint).map_or_else(|_| String::new(), |name| name.as_str().to_owned());
+        let name = |joint: &Entity| {
+            self.names
+                .get(*joint)
+                .map_or_else(|_| String::new(), |name| name.as_str().to_owned())
+        };
         let joints = target.joints.iter().map(name).collect();
-        let places = target.inverse_bind.iter().map(|bind| bind.inverse().w_axis.truncate()).collect();
+        let places = target
+            .inverse_bind
+            .iter()
+            .map(|bind| bind.inverse().w_axis.truncate())
+            .collect();
         let meshes = found.into_iter().map(|(_, mesh, _)| mesh.clone()).collect();
-        Some((target, Input { meshes, maps, joints, places }))
+        Some((
+            target,
+            Input {
+                meshes,
+                maps,
+                joints,
+                places,
+            },
+        ))
     }
 }
 
@@ -275,11 +329,15 @@ fn start(
             }
             continue;
         };
-        let list = job.feathers.get_or_insert_with(|| load_feathers(&server, plumage, groom));
-        let failed = list.iter().find_map(|feather| match server.load_state(feather.id()) {
-            LoadState::Failed(cause) => Some(cause.to_string()),
-            _ => None,
-        });
+        let list = job
+            .feathers
+            .get_or_insert_with(|| load_feathers(&server, plumage, groom));
+        let failed = list
+            .iter()
+            .find_map(|feather| match server.load_state(feather.id()) {
+                LoadState::Failed(cause) => Some(cause.to_string()),
+                _ => None,
+            });
         if let Some(cause) = failed {
             fail(&mut state, &mut commands, owner, cause);
             continue;
@@ -287,7 +345,9 @@ fn start(
         if list.iter().any(|feather| feathers.get(feather).is_none()) {
             continue;
         }
-        let Some((target, input)) = meshes.find(owner) else { continue };
+        let Some((target, input)) = meshes.find(owner) else {
+            continue;
+        };
         let (groom, seed, density) = (groom.clone(), plumage.seed, plumage.density);
         job.target = Some(target);
         let pool = AsyncComputeTaskPool::get_or_init(TaskPool::new);
@@ -295,7 +355,11 @@ fn start(
             let begun = Instant::now();
             let meshes: Vec<&Mesh> = input.meshes.iter().collect();
             let coat = SkinMesh::from_meshes(&meshes, &input.maps).and_then(|skin| {
-                let bird = Bird { skin, joints: input.joints, joint_places: input.places };
+                let bird = Bird {
+                    skin,
+                    joints: input.joints,
+                    joint_places: input.places,
+                };
                 groom_bird(&bird, &groom, seed, density)
             });
             (coat, begun.elapsed().as_secs_f32() * 1.0e3)
@@ -307,7 +371,9 @@ fn start(
 fn load_feathers(server: &AssetServer, plumage: &Plumage, groom: &Groom) -> Vec<Handle<Feather>> {
     let base = server.get_path(plumage.groom.id());
     let resolve = |path: &String| match &base {
-        Some(base) => base.resolve_embed_str(path).map_or_else(|_| server.load(path.clone()), |full| server.load(full)),
+        Some(base) => base
+            .resolve_embed_str(path)
+            .map_or_else(|_| server.load(path.clone()), |full| server.load(full)),
         None => server.load(path.clone()),
     };
     groom.feathers.iter().map(resolve).collect()
@@ -318,10 +384,20 @@ fn finish(
     mut meshes: ResMut<Assets<Mesh>>,
     mut poses: ResMut<Assets<SkinnedMeshInverseBindposes>>,
     entities: Query<Entity>,
-    mut birds: Query<(Entity, &Plumage, &mut PlumageState, &mut GroomJob, Option<&PlumageOutput>)>,
+    mut birds: Query<(
+        Entity,
+        &Plumage,
+        &mut PlumageState,
+        &mut GroomJob,
+        Option<&PlumageOutput>,
+    )>,
 ) {
     for (owner, plumage, mut state, mut job, old) in &mut birds {
-        let Some((coat, milliseconds)) = job.task.as_mut().and_then(|task| block_on(poll_once(task))) else { continue };
+        let Some((coat, milliseconds)) =
+            job.task.as_mut().and_then(|task| block_on(poll_once(task)))
+        else {
+            continue;
+        };
         let (target, feathers) = (job.target.take(), job.feathers.take().unwrap_or_default());
         if let Some(old) = old {
             commands.entity(old.0).try_despawn();
@@ -348,9 +424,25 @@ fn finish(
             crossings: coat.crossings.left as u32,
             error: None,
         };
-        info!("plumage of {owner}: {} cards in {milliseconds:.0} ms, {:?}", coat.cards.len(), coat.crossings);
-        let output = spawn_cards(&mut commands, &mut meshes, &mut poses, owner, plumage, target, coat, feathers);
-        commands.entity(owner).insert(PlumageOutput(output)).remove::<GroomJob>();
+        info!(
+            "plumage of {owner}: {} cards in {milliseconds:.0} ms, {:?}",
+            coat.cards.len(),
+            coat.crossings
+        );
+        let output = spawn_cards(
+            &mut commands,
+            &mut meshes,
+            &mut poses,
+            owner,
+            plumage,
+            target,
+            coat,
+            feathers,
+        );
+        commands
+            .entity(owner)
+            .insert(PlumageOutput(output))
+            .remove::<GroomJob>();
     }
 }
 
@@ -374,18 +466,44 @@ fn spawn_cards(
     };
     let mesh = Mesh3d(meshes.add(coat.mesh));
     // Cards stand out from the joints' own bounds, so no bounds are kept.
-    let common = (mesh, cards, NoFrustumCulling, Transform::IDENTITY, Visibility::default(), Name::new("Plumage"));
+    let common = (
+        mesh,
+        cards,
+        NoFrustumCulling,
+        Transform::IDENTITY,
+        Visibility::default(),
+        Name::new("Plumage"),
+    );
     let output = commands.spawn((common, ChildOf(target.mesh))).id();
     if skinned {
         let mut fans = Vec::with_capacity(coat.fans.len());
         for fan in &coat.fans {
-            fans.push(commands.spawn((GlobalTransform::IDENTITY, Name::new(fan.name.clone()), ChildOf(output))).id());
+            fans.push(
+                commands
+                    .spawn((
+                        GlobalTransform::IDENTITY,
+                        Name::new(fan.name.clone()),
+                        ChildOf(output),
+                    ))
+                    .id(),
+            );
         }
-        let bind: Vec<Mat4> = target.inverse_bind.iter().copied().chain(coat.fans.iter().map(|fan| fan.inverse_bind())).collect();
+        let bind: Vec<Mat4> = target
+            .inverse_bind
+            .iter()
+            .copied()
+            .chain(coat.fans.iter().map(|fan| fan.inverse_bind()))
+            .collect();
         let joints = target.joints.iter().chain(&fans).copied().collect();
         commands.entity(output).insert((
-            SkinnedMesh { inverse_bindposes: poses.add(SkinnedMeshInverseBindposes::from(bind)), joints },
-            FanJoints { joints: coat.fans.into(), entities: fans },
+            SkinnedMesh {
+                inverse_bindposes: poses.add(SkinnedMeshInverseBindposes::from(bind)),
+                joints,
+            },
+            FanJoints {
+                joints: coat.fans.into(),
+                entities: fans,
+            },
         ));
     }
     output

@@ -59,13 +59,28 @@ pub fn mirror_name(name: &str) -> String {
     while let Some(at) = rest.find("_L") {
         let after = &rest[at + 2..];
         out.push_str(&rest[..at]);
-        out.push_str(if after.chars().next().is_none_or(|c| !c.is_ascii_alphabetic()) { "_R" } else { "_L" });
+        out.push_str(
+            if after
+                .chars()
+                .next()
+                .is_none_or(|c| !c.is_ascii_alphabetic())
+            {
+                "_R"
+            } else {
+                "_L"
+            },
+        );
         rest = after;
     }
     out + rest
 }
 
-fn blend_names(stations: (&Station, &Station), t: f32, pick: fn(&Station) -> &Vec<(String, f32)>, mirrored: bool) -> Vec<(String, f32)> {
+fn blend_names(
+    stations: (&Station, &Station),
+    t: f32,
+    pick: fn(&Station) -> &Vec<(String, f32)>,
+    mirrored: bool,
+) -> Vec<(String, f32)> {
     let mut list: Vec<(String, f32)> = Vec::new();
     for (station, share) in [(stations.0, 1.0 - t), (stations.1, t)] {
         let weights = pick(station);
@@ -75,7 +90,11 @@ fn blend_names(stations: (&Station, &Station), t: f32, pick: fn(&Station) -> &Ve
             if value <= 0.0 || !value.is_finite() {
                 continue;
             }
-            let name = if mirrored { mirror_name(name) } else { name.clone() };
+            let name = if mirrored {
+                mirror_name(name)
+            } else {
+                name.clone()
+            };
             match list.iter_mut().find(|(known, _)| *known == name) {
                 Some((_, sum)) => *sum += value,
                 None => list.push((name, value)),
@@ -102,10 +121,17 @@ impl RowContext<'_> {
     }
 
     fn nearest_skin(&self, root: Vec3) -> Vec<(u16, f32)> {
-        let near = (0..self.skin.positions.len())
-            .min_by(|&a, &b| self.skin.positions[a].distance_squared(root).total_cmp(&self.skin.positions[b].distance_squared(root)));
+        let near = (0..self.skin.positions.len()).min_by(|&a, &b| {
+            self.skin.positions[a]
+                .distance_squared(root)
+                .total_cmp(&self.skin.positions[b].distance_squared(root))
+        });
         let weights = near.and_then(|vertex| self.skin.weights.get(vertex));
-        weights.into_iter().flat_map(|(joints, weights)| joints.iter().copied().zip(*weights)).filter(|(_, w)| *w > 0.0).collect()
+        weights
+            .into_iter()
+            .flat_map(|(joints, weights)| joints.iter().copied().zip(*weights))
+            .filter(|(_, w)| *w > 0.0)
+            .collect()
     }
 
     /// Feathers and fan joints of one row, both sides. Joint names that the skin lacks are added to `missing`; such a root
@@ -115,7 +141,13 @@ impl RowContext<'_> {
         let sides: &[bool] = if row.mirror { &[false, true] } else { &[false] };
         for &mirrored in sides {
             for number in 0..row.lengths.len() {
-                let (leaf, fan) = self.feather(row, number, mirrored, self.first_joint + fans.len(), missing);
+                let (leaf, fan) = self.feather(
+                    row,
+                    number,
+                    mirrored,
+                    self.first_joint + fans.len(),
+                    missing,
+                );
                 leaves.push(leaf);
                 fans.push(fan);
             }
@@ -123,20 +155,46 @@ impl RowContext<'_> {
         (leaves, fans)
     }
 
-    fn feather(&self, row: &Row, number: usize, mirrored: bool, joint: usize, missing: &mut Vec<String>) -> (Leaf, FanJoint) {
+    fn feather(
+        &self,
+        row: &Row,
+        number: usize,
+        mirrored: bool,
+        joint: usize,
+        missing: &mut Vec<String>,
+    ) -> (Leaf, FanJoint) {
         let count = row.lengths.len();
-        let t = if count > 1 { number as f32 / (count - 1) as f32 } else { 0.0 };
-        let after = row.stations.iter().position(|station| station.at >= t).unwrap_or(row.stations.len() - 1).max(1);
+        let t = if count > 1 {
+            number as f32 / (count - 1) as f32
+        } else {
+            0.0
+        };
+        let after = row
+            .stations
+            .iter()
+            .position(|station| station.at >= t)
+            .unwrap_or(row.stations.len() - 1)
+            .max(1);
         let (a, b) = (&row.stations[after - 1], &row.stations[after]);
         let local = ((t - a.at) / (b.at - a.at)).clamp(0.0, 1.0);
         let mix3 = |x: [f32; 3], y: [f32; 3]| Vec3::from_array(x).lerp(Vec3::from_array(y), local);
         let unit3 = |x: [f32; 3]| Vec3::from_array(x).normalize_or(Vec3::Z);
-        let along = mix3(unit3(a.direction).into(), unit3(b.direction).into()).normalize_or(unit3(a.direction));
+        let along = mix3(unit3(a.direction).into(), unit3(b.direction).into())
+            .normalize_or(unit3(a.direction));
         let normal = mix3(unit3(a.normal).into(), unit3(b.normal).into());
         let normal = tangent(normal, along).unwrap_or_else(|| along.any_orthonormal_vector());
-        let side_name = if !row.mirror { "" } else if mirrored { "_R" } else { "_L" };
+        let side_name = if !row.mirror {
+            ""
+        } else if mirrored {
+            "_R"
+        } else {
+            "_L"
+        };
         let name = format!("{}{side_name}_{number}", row.name);
-        let seed = mix(name_hash(self.seed, &row.name), mix(number as u64, u64::from(mirrored)));
+        let seed = mix(
+            name_hash(self.seed, &row.name),
+            mix(number as u64, u64::from(mirrored)),
+        );
         let mut draw = Stream::new(seed);
         let jitter = row.jitter;
         let length = row.lengths[number] * self.unit * (1.0 + jitter.length * draw.normal());
@@ -147,27 +205,52 @@ impl RowContext<'_> {
         let (hue, value) = (jitter.hue * draw.normal(), jitter.value * draw.normal());
         // The stack is centred on the stations' plane; it rises with the layer.
         let rank = number as f32 - 0.5 * (count - 1) as f32;
-        let step = row.offset * self.unit * if row.layer.1 < row.layer.0 { -rank } else { rank };
+        let step = row.offset
+            * self.unit
+            * if row.layer.1 < row.layer.0 {
+                -rank
+            } else {
+                rank
+            };
         let mut root = mix3(a.root, b.root) * self.unit + normal * step;
         let turned = Quat::from_axis_angle(normal, yaw) * along;
         let mut along = (turned * lift.cos() + normal * lift.sin()).normalize_or(along);
-        let mut normal = Quat::from_axis_angle(along, roll) * tangent(normal, along).unwrap_or(normal);
+        let mut normal =
+            Quat::from_axis_angle(along, roll) * tangent(normal, along).unwrap_or(normal);
         if mirrored {
             let flip = Vec3::new(-1.0, 1.0, 1.0);
             (root, along, normal) = (root * flip, along * flip, normal * flip);
         }
         let ride = self.resolve(blend_names((a, b), local, |s| &s.ride, mirrored), missing);
-        let ride = if ride.is_empty() { self.nearest_skin(root) } else { ride };
+        let ride = if ride.is_empty() {
+            self.nearest_skin(root)
+        } else {
+            ride
+        };
         let follow = self.resolve(blend_names((a, b), local, |s| &s.follow, mirrored), missing);
-        let follow = if follow.is_empty() { ride.clone() } else { follow };
-        let frame = Quat::from_mat3(&Mat3::from_cols(along.cross(normal), along, normal)).normalize();
+        let follow = if follow.is_empty() {
+            ride.clone()
+        } else {
+            follow
+        };
+        let frame =
+            Quat::from_mat3(&Mat3::from_cols(along.cross(normal), along, normal)).normalize();
         let segments = usize::from(row.segments.0).clamp(1, 64);
         let curl = row.curl.to_radians();
-        let points = (0..=segments).map(|i| root + arc(along, normal, curl, length, i as f32 / segments as f32)).collect();
-        let normals = (0..=segments)
-            .map(|i| Quat::from_axis_angle(along.cross(normal), -curl * i as f32 / segments as f32) * normal)
+        let points = (0..=segments)
+            .map(|i| root + arc(along, normal, curl, length, i as f32 / segments as f32))
             .collect();
-        let weights = if self.joints.is_empty() { ([0; 4], [0.0; 4]) } else { ([joint as u16, 0, 0, 0], [1.0, 0.0, 0.0, 0.0]) };
+        let normals = (0..=segments)
+            .map(|i| {
+                Quat::from_axis_angle(along.cross(normal), -curl * i as f32 / segments as f32)
+                    * normal
+            })
+            .collect();
+        let weights = if self.joints.is_empty() {
+            ([0; 4], [0.0; 4])
+        } else {
+            ([joint as u16, 0, 0, 0], [1.0, 0.0, 0.0, 0.0])
+        };
         let card = Card {
             root,
             along,
@@ -186,10 +269,36 @@ impl RowContext<'_> {
             // Seen from the front with the tip up, the leading vane of a left wing's feather is on the right.
             mirrored: if row.mirror { mirrored == row.handed } else { false },
         };
-        let below = vec![SurfacePoint { triangle: 0, bary: Vec3::X }; segments + 1];
-        let shaft = Shaft { points, normals, below, across: 0.0 };
+        let below = vec![
+            SurfacePoint {
+                triangle: 0,
+                bary: Vec3::X
+            };
+            segments + 1
+        ];
+        let shaft = Shaft {
+            points,
+            normals,
+            below,
+            across: 0.0,
+        };
         let columns = usize::from(row.segments.1).clamp(1, 16);
-        let leaf = Leaf { card, shaft, weights: vec![weights], camber: row.camber, columns };
-        (leaf, FanJoint { name, root, frame, ride, follow })
+        let leaf = Leaf {
+            card,
+            shaft,
+            weights: vec![weights],
+            camber: row.camber,
+            columns,
+        };
+        (
+            leaf,
+            FanJoint {
+                name,
+                root,
+                frame,
+                ride,
+                follow,
+            },
+        )
     }
 }

@@ -40,8 +40,21 @@ pub struct Field<'a> {
 
 impl<'a> Field<'a> {
     /// Prepares a region; finds the range of phi on it.
-    pub fn new(skin: &'a SkinMesh, lay: &'a [Vec3], arc: &'a [f32], triangles: &'a [u32], mask: &'a [bool]) -> Self {
-        let mut field = Self { skin, lay, arc, triangles, mask, range: (0.0, 1.0) };
+    pub fn new(
+        skin: &'a SkinMesh,
+        lay: &'a [Vec3],
+        arc: &'a [f32],
+        triangles: &'a [u32],
+        mask: &'a [bool],
+    ) -> Self {
+        let mut field = Self {
+            skin,
+            lay,
+            arc,
+            triangles,
+            mask,
+            range: (0.0, 1.0),
+        };
         let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         for &triangle in triangles {
             for bary in [Vec3::X, Vec3::Y, Vec3::Z] {
@@ -57,7 +70,10 @@ impl<'a> Field<'a> {
 
     fn raw(&self, point: SurfacePoint) -> f32 {
         self.skin.phi(point).unwrap_or_else(|| {
-            let [a, b, c] = self.skin.corner_nodes(point.triangle).map(|node| self.arc.get(node).copied().unwrap_or(0.0));
+            let [a, b, c] = self
+                .skin
+                .corner_nodes(point.triangle)
+                .map(|node| self.arc.get(node).copied().unwrap_or(0.0));
             a * point.bary.x + b * point.bary.y + c * point.bary.z
         })
     }
@@ -65,28 +81,49 @@ impl<'a> Field<'a> {
     /// Phi of a point, 0..1. The skin's own where it has one, else the arc length along the lay, scaled to the region.
     pub fn phi(&self, point: SurfacePoint) -> f32 {
         let value = self.raw(point);
-        if self.skin.tract_phi.is_empty() { ((value - self.range.0) / (self.range.1 - self.range.0)).clamp(0.0, 1.0) } else { value }
+        if self.skin.tract_phi.is_empty() {
+            ((value - self.range.0) / (self.range.1 - self.range.0)).clamp(0.0, 1.0)
+        } else {
+            value
+        }
     }
 
     /// Smallest and largest phi on the region.
     pub fn phi_range(&self) -> (f32, f32) {
-        if self.skin.tract_phi.is_empty() { (0.0, 1.0) } else { self.range }
+        if self.skin.tract_phi.is_empty() {
+            (0.0, 1.0)
+        } else {
+            self.range
+        }
     }
 
     /// The follicle at a point.
     pub fn follicle(&self, at: SurfacePoint) -> Follicle {
-        Follicle { at, position: self.skin.position(at), phi: self.phi(at) }
+        Follicle {
+            at,
+            position: self.skin.position(at),
+            phi: self.phi(at),
+        }
     }
 }
 
 /// Relative spacing of feathers at phi: the geometric mean of length and width.
 fn spacing(region: &Region, phi: f32) -> f32 {
-    (region.length.at(phi) * region.width.at(phi)).max(0.0).sqrt().max(f32::MIN_POSITIVE)
+    (region.length.at(phi) * region.width.at(phi))
+        .max(0.0)
+        .sqrt()
+        .max(f32::MIN_POSITIVE)
 }
 
 /// Fills a region with `count` follicles. `placed` are the follicles of other regions: those outside this region keep their
 /// distance across the border.
-pub fn scatter(field: &Field, region: &Region, count: usize, seed: u64, placed: &[Follicle]) -> Vec<Follicle> {
+pub fn scatter(
+    field: &Field,
+    region: &Region,
+    count: usize,
+    seed: u64,
+    placed: &[Follicle],
+) -> Vec<Follicle> {
     if count == 0 || field.triangles.is_empty() {
         return Vec::new();
     }
@@ -104,10 +141,17 @@ pub fn scatter(field: &Field, region: &Region, count: usize, seed: u64, placed: 
 /// Systematic sampling over the triangles, by area over spacing squared.
 fn candidates(field: &Field, region: &Region, count: usize, stream: &mut Stream) -> Vec<Follicle> {
     let density = |triangle: u32| {
-        let phi = field.phi(SurfacePoint { triangle, bary: Vec3::splat(1.0 / 3.0) });
+        let phi = field.phi(SurfacePoint {
+            triangle,
+            bary: Vec3::splat(1.0 / 3.0),
+        });
         f64::from(field.skin.areas[triangle as usize]) / f64::from(spacing(region, phi)).powi(2)
     };
-    let weights: Vec<f64> = field.triangles.iter().map(|&triangle| density(triangle)).collect();
+    let weights: Vec<f64> = field
+        .triangles
+        .iter()
+        .map(|&triangle| density(triangle))
+        .collect();
     let step = weights.iter().sum::<f64>() / count as f64;
     let mut list = Vec::with_capacity(count);
     let mut reached = 0.0;
@@ -124,22 +168,49 @@ fn candidates(field: &Field, region: &Region, count: usize, stream: &mut Stream)
 }
 
 /// Kills the most crowded candidate until `count` are left.
-fn eliminate(field: &Field, region: &Region, list: Vec<Follicle>, count: usize, placed: &[Follicle]) -> Vec<Follicle> {
+fn eliminate(
+    field: &Field,
+    region: &Region,
+    list: Vec<Follicle>,
+    count: usize,
+    placed: &[Follicle],
+) -> Vec<Follicle> {
     let skin = field.skin;
-    let area: f64 = field.triangles.iter().map(|&t| f64::from(skin.areas[t as usize])).sum();
+    let area: f64 = field
+        .triangles
+        .iter()
+        .map(|&t| f64::from(skin.areas[t as usize]))
+        .sum();
     let radius = (area / (2.0 * 3.0_f64.sqrt() * count as f64)).sqrt() as f32;
-    let mean_square = list.iter().map(|f| spacing(region, f.phi).powi(-2)).sum::<f32>() / list.len().max(1) as f32;
+    let mean_square = list
+        .iter()
+        .map(|f| spacing(region, f.phi).powi(-2))
+        .sum::<f32>()
+        / list.len().max(1) as f32;
     // Mean number density stays count / area: the radius follows the local spacing.
-    let radii: Vec<f32> = list.iter().map(|f| radius * spacing(region, f.phi) * mean_square.sqrt()).collect();
+    let radii: Vec<f32> = list
+        .iter()
+        .map(|f| radius * spacing(region, f.phi) * mean_square.sqrt())
+        .collect();
     let widest = radii.iter().copied().fold(0.0, f32::max);
-    let lay: Vec<Vec3> = list.iter().map(|f| skin.interpolate(field.lay, f.at)).collect();
-    let normals: Vec<Vec3> = list.iter().map(|f| skin.face_normals[f.at.triangle as usize]).collect();
+    let lay: Vec<Vec3> = list
+        .iter()
+        .map(|f| skin.interpolate(field.lay, f.at))
+        .collect();
+    let normals: Vec<Vec3> = list
+        .iter()
+        .map(|f| skin.face_normals[f.at.triangle as usize])
+        .collect();
     let crowding = |i: usize, position: Vec3, reach: f32| {
         let delta = position - list[i].position;
         let along = delta.dot(lay[i]);
         // A little closer along the lay than across it: the feathers fall into rows by themselves.
-        let distance = (delta.length_squared() - along * along * 0.2775).max(0.0).sqrt();
-        (1.0 - distance / reach.max(f32::MIN_POSITIVE)).max(0.0).powi(8)
+        let distance = (delta.length_squared() - along * along * 0.2775)
+            .max(0.0)
+            .sqrt();
+        (1.0 - distance / reach.max(f32::MIN_POSITIVE))
+            .max(0.0)
+            .powi(8)
     };
     let positions: Vec<Vec3> = list.iter().map(|f| f.position).collect();
     let grid = PointGrid::of(&positions, widest * 2.2);
@@ -153,7 +224,8 @@ fn eliminate(field: &Field, region: &Region, list: Vec<Follicle>, count: usize, 
             if j != i && normals[i].dot(normals[j]) > 0.0 {
                 // The mean of both directions, so that a pair weighs the same from either end.
                 let reach = radii[i] + radii[j];
-                let weight = 0.5 * (crowding(i, positions[j], reach) + crowding(j, positions[i], reach));
+                let weight =
+                    0.5 * (crowding(i, positions[j], reach) + crowding(j, positions[i], reach));
                 if weight > 0.0 {
                     pairs.push((j as u32, weight));
                     sum += weight;
@@ -163,7 +235,10 @@ fn eliminate(field: &Field, region: &Region, list: Vec<Follicle>, count: usize, 
         starts.push(pairs.len());
         weights.push(sum);
     }
-    let foreign: Vec<&Follicle> = placed.iter().filter(|f| !field.mask[f.at.triangle as usize]).collect();
+    let foreign: Vec<&Follicle> = placed
+        .iter()
+        .filter(|f| !field.mask[f.at.triangle as usize])
+        .collect();
     for follicle in foreign {
         grid.near(follicle.position, widest * 2.2, |i| {
             let i = i as usize;
@@ -183,7 +258,11 @@ fn eliminate(field: &Field, region: &Region, list: Vec<Follicle>, count: usize, 
             }
         }
     }
-    list.into_iter().zip(alive).filter(|(_, alive)| *alive).map(|(follicle, _)| follicle).collect()
+    list.into_iter()
+        .zip(alive)
+        .filter(|(_, alive)| *alive)
+        .map(|(follicle, _)| follicle)
+        .collect()
 }
 
 /// Binary heap of the candidates by weight, largest first, whose weights can fall.
@@ -196,7 +275,11 @@ struct Heap {
 impl Heap {
     fn new(weights: Vec<f32>) -> Self {
         let order: Vec<u32> = (0..weights.len() as u32).collect();
-        let mut heap = Self { weights, place: order.clone(), order };
+        let mut heap = Self {
+            weights,
+            place: order.clone(),
+            order,
+        };
         for i in (0..heap.order.len() / 2).rev() {
             heap.sink(i);
         }

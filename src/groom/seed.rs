@@ -7,7 +7,9 @@ use rand_pcg::Pcg64Mcg;
 
 /// Mixes two words into one (the finaliser of SplitMix64; Steele, Lea and Flood 2014).
 pub fn mix(a: u64, b: u64) -> u64 {
-    let mut z = a ^ b.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mut z = a ^ b
+        .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        .wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
@@ -25,7 +27,10 @@ pub fn name_hash(seed: u64, name: &str) -> u64 {
 /// Hash of a place, on a lattice of `cell` metres.
 pub fn place_hash(seed: u64, place: Vec3, cell: f32) -> u64 {
     let lattice = |x: f32| (x / cell).round() as i64 as u64;
-    mix(mix(mix(seed, lattice(place.x)), lattice(place.y)), lattice(place.z))
+    mix(
+        mix(mix(seed, lattice(place.x)), lattice(place.y)),
+        lattice(place.z),
+    )
 }
 
 /// A stream of random numbers of one feather or one region.
@@ -69,6 +74,9 @@ mod tests {
         assert_ne!(name_hash(1, "mantle"), name_hash(1, "breast"));
         assert_ne!(name_hash(1, "mantle"), name_hash(2, "mantle"));
         assert_ne!(place_hash(1, Vec3::X, 0.001), place_hash(1, Vec3::Y, 0.001));
-        assert_eq!(place_hash(1, Vec3::X, 0.001), place_hash(1, Vec3::X * 1.0001, 0.001));
+        assert_eq!(
+            place_hash(1, Vec3::X, 0.001),
+            place_hash(1, Vec3::X * 1.0001, 0.001)
+        );
     }
 }

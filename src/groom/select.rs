@@ -5,41 +5,64 @@ use bevy::math::Vec3;
 
 /// For each triangle whether the predicate selects it. `joints` are the names of the skin's joints, `unit` the metres per
 /// unit of the groom.
-pub fn select_triangles(select: &Select, skin: &SkinMesh, joints: &[String], unit: f32) -> Vec<bool> {
+pub fn select_triangles(
+    select: &Select,
+    skin: &SkinMesh,
+    joints: &[String],
+    unit: f32,
+) -> Vec<bool> {
     let count = skin.triangles.len();
     let each = |test: &dyn Fn(u32) -> bool| (0..count as u32).map(test).collect::<Vec<bool>>();
     match select {
         Select::All => vec![true; count],
-        Select::Tract(number) => each(&|t| skin.tract(t).is_some_and(|tract| i64::from(tract) == i64::from(*number))),
+        Select::Tract(number) => each(&|t| {
+            skin.tract(t)
+                .is_some_and(|tract| i64::from(tract) == i64::from(*number))
+        }),
         Select::Color(color, distance) => {
             let wanted = Vec3::from_array(*color);
             each(&|t| {
                 let corners = skin.triangles[t as usize];
-                let sum = corners.iter().filter_map(|&v| skin.colors.get(v as usize)).fold(Vec3::ZERO, |sum, c| sum + Vec3::from_array(*c));
+                let sum = corners
+                    .iter()
+                    .filter_map(|&v| skin.colors.get(v as usize))
+                    .fold(Vec3::ZERO, |sum, c| sum + Vec3::from_array(*c));
                 !skin.colors.is_empty() && (sum / 3.0).distance(wanted) <= *distance
             })
         }
         Select::Joints(names) => {
             let chosen: Vec<bool> = joints.iter().map(|joint| names.contains(joint)).collect();
             each(&|t| {
-                let corners = skin.triangles[t as usize].into_iter().filter_map(|v| skin.weights.get(v as usize));
-                let share = corners.flat_map(|(joints, weights)| joints.iter().zip(weights)).filter(|(joint, _)| {
-                    chosen.get(usize::from(**joint)).copied().unwrap_or(false)
-                });
+                let corners = skin.triangles[t as usize]
+                    .into_iter()
+                    .filter_map(|v| skin.weights.get(v as usize));
+                let share = corners
+                    .flat_map(|(joints, weights)| joints.iter().zip(weights))
+                    .filter(|(joint, _)| {
+                        chosen.get(usize::from(**joint)).copied().unwrap_or(false)
+                    });
                 share.map(|(_, weight)| weight).sum::<f32>() > 1.5
             })
         }
         Select::Within(low, high) => {
-            let (low, high) = (Vec3::from_array(*low) * unit, Vec3::from_array(*high) * unit);
+            let (low, high) = (
+                Vec3::from_array(*low) * unit,
+                Vec3::from_array(*high) * unit,
+            );
             each(&|t| {
-                let sum = skin.triangles[t as usize].iter().fold(Vec3::ZERO, |sum, &v| sum + skin.positions[v as usize]);
+                let sum = skin.triangles[t as usize]
+                    .iter()
+                    .fold(Vec3::ZERO, |sum, &v| sum + skin.positions[v as usize]);
                 let middle = sum / 3.0;
                 middle.cmpge(low).all() && middle.cmple(high).all()
             })
         }
         Select::Any(list) => combine(list, skin, joints, unit, false, |a, b| a || b),
         Select::Every(list) => combine(list, skin, joints, unit, true, |a, b| a && b),
-        Select::Not(inner) => select_triangles(inner, skin, joints, unit).into_iter().map(|taken| !taken).collect(),
+        Select::Not(inner) => select_triangles(inner, skin, joints, unit)
+            .into_iter()
+            .map(|taken| !taken)
+            .collect(),
     }
 }
 
@@ -51,7 +74,11 @@ fn combine(
     start: bool,
     join: fn(bool, bool) -> bool,
 ) -> Vec<bool> {
-    list.iter().fold(vec![start; skin.triangles.len()], |sum, select| {
-        sum.into_iter().zip(select_triangles(select, skin, joints, unit)).map(|(a, b)| join(a, b)).collect()
-    })
+    list.iter()
+        .fold(vec![start; skin.triangles.len()], |sum, select| {
+            sum.into_iter()
+                .zip(select_triangles(select, skin, joints, unit))
+                .map(|(a, b)| join(a, b))
+                .collect()
+        })
 }

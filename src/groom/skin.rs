@@ -53,17 +53,41 @@ pub struct SkinMesh {
     edges: Vec<u32>,
 }
 
-fn floats<const N: usize>(mesh: &Mesh, id: bevy::mesh::MeshVertexAttribute) -> Option<Vec<[f32; N]>> {
+fn floats<const N: usize>(
+    mesh: &Mesh,
+    id: bevy::mesh::MeshVertexAttribute,
+) -> Option<Vec<[f32; N]>> {
     match mesh.try_attribute_option(id).ok()?? {
-        VertexAttributeValues::Float32x2(values) if N == 2 => Some(values.iter().map(|v| std::array::from_fn(|i| v[i])).collect()),
-        VertexAttributeValues::Float32x3(values) if N <= 3 => Some(values.iter().map(|v| std::array::from_fn(|i| v[i])).collect()),
-        VertexAttributeValues::Float32x4(values) if N <= 4 => Some(values.iter().map(|v| std::array::from_fn(|i| v[i])).collect()),
-        VertexAttributeValues::Unorm8x4(values) if N <= 4 => {
-            Some(values.iter().map(|v| std::array::from_fn(|i| f32::from(v[i]) / 255.0)).collect())
-        }
-        VertexAttributeValues::Unorm16x4(values) if N <= 4 => {
-            Some(values.iter().map(|v| std::array::from_fn(|i| f32::from(v[i]) / 65_535.0)).collect())
-        }
+        VertexAttributeValues::Float32x2(values) if N == 2 => Some(
+            values
+                .iter()
+                .map(|v| std::array::from_fn(|i| v[i]))
+                .collect(),
+        ),
+        VertexAttributeValues::Float32x3(values) if N <= 3 => Some(
+            values
+                .iter()
+                .map(|v| std::array::from_fn(|i| v[i]))
+                .collect(),
+        ),
+        VertexAttributeValues::Float32x4(values) if N <= 4 => Some(
+            values
+                .iter()
+                .map(|v| std::array::from_fn(|i| v[i]))
+                .collect(),
+        ),
+        VertexAttributeValues::Unorm8x4(values) if N <= 4 => Some(
+            values
+                .iter()
+                .map(|v| std::array::from_fn(|i| f32::from(v[i]) / 255.0))
+                .collect(),
+        ),
+        VertexAttributeValues::Unorm16x4(values) if N <= 4 => Some(
+            values
+                .iter()
+                .map(|v| std::array::from_fn(|i| f32::from(v[i]) / 65_535.0))
+                .collect(),
+        ),
         _ => None,
     }
 }
@@ -76,12 +100,19 @@ impl SkinMesh {
     /// [`GroomError::Skin`] if there is no mesh, a mesh is not made of triangles, has no positions on the CPU, or has no area.
     pub fn from_meshes(meshes: &[&Mesh], joint_maps: &[Vec<u16>]) -> Result<Self, GroomError> {
         let mut skin = Self::default();
-        let all_tracts = meshes.iter().all(|mesh| floats::<2>(mesh, Mesh::ATTRIBUTE_UV_1).is_some());
-        let all_colors = meshes.iter().all(|mesh| floats::<3>(mesh, Mesh::ATTRIBUTE_COLOR).is_some());
+        let all_tracts = meshes
+            .iter()
+            .all(|mesh| floats::<2>(mesh, Mesh::ATTRIBUTE_UV_1).is_some());
+        let all_colors = meshes
+            .iter()
+            .all(|mesh| floats::<3>(mesh, Mesh::ATTRIBUTE_COLOR).is_some());
         let mut triangles = Vec::new();
         let mut normal_sign = 0.0_f64;
         for (number, mesh) in meshes.iter().enumerate() {
-            let fail = |message: &str| GroomError::Skin { mesh: number, message: message.into() };
+            let fail = |message: &str| GroomError::Skin {
+                mesh: number,
+                message: message.into(),
+            };
             if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
                 return Err(fail("is not a list of triangles"));
             }
@@ -90,13 +121,16 @@ impl SkinMesh {
             })?;
             let count = positions.len();
             let base = skin.positions.len() as u32;
-            let clean = |v: &[f32; 3]| Vec3::from_array(v.map(|x| if x.is_finite() { x } else { 0.0 }));
+            let clean =
+                |v: &[f32; 3]| Vec3::from_array(v.map(|x| if x.is_finite() { x } else { 0.0 }));
             skin.positions.extend(positions.iter().map(clean));
             if all_tracts && let Some(values) = floats::<2>(mesh, Mesh::ATTRIBUTE_UV_1) {
-                skin.tract_phi.extend((0..count).map(|i| values.get(i).copied().unwrap_or_default()));
+                skin.tract_phi
+                    .extend((0..count).map(|i| values.get(i).copied().unwrap_or_default()));
             }
             if all_colors && let Some(values) = floats::<3>(mesh, Mesh::ATTRIBUTE_COLOR) {
-                skin.colors.extend((0..count).map(|i| values.get(i).copied().unwrap_or_default()));
+                skin.colors
+                    .extend((0..count).map(|i| values.get(i).copied().unwrap_or_default()));
             }
             let map = joint_maps.get(number).map_or(&[][..], Vec::as_slice);
             skin.weights.extend(vertex_weights(mesh, count, map));
@@ -122,23 +156,39 @@ impl SkinMesh {
             skin.weights.clear();
         }
         if normal_sign < 0.0 {
-            triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+            triangles
+                .iter_mut()
+                .for_each(|triangle| triangle.swap(1, 2));
         }
         skin.connect(triangles);
         if skin.triangles.is_empty() {
-            return Err(GroomError::Skin { mesh: 0, message: "has no triangle with an area".into() });
+            return Err(GroomError::Skin {
+                mesh: 0,
+                message: "has no triangle with an area".into(),
+            });
         }
         Ok(skin)
     }
 
     /// Drops triangles without an area, welds vertices and builds the adjacency.
     fn connect(&mut self, triangles: Vec<[u32; 3]>) {
-        let low = self.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
-        let high = self.positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+        let low = self
+            .positions
+            .iter()
+            .copied()
+            .fold(Vec3::INFINITY, Vec3::min);
+        let high = self
+            .positions
+            .iter()
+            .copied()
+            .fold(Vec3::NEG_INFINITY, Vec3::max);
         let size = (high - low).max_element().max(f32::MIN_POSITIVE);
         let mut known = HashMap::new();
         for &position in &self.positions {
-            let cell = ((position - low) / (size * 1.0e-6)).round().to_array().map(|x| x as i64);
+            let cell = ((position - low) / (size * 1.0e-6))
+                .round()
+                .to_array()
+                .map(|x| x as i64);
             let next = self.nodes.len() as u32;
             let node = *known.entry(cell).or_insert(next);
             if node == next {
@@ -161,18 +211,31 @@ impl SkinMesh {
             self.areas.push(area);
             self.face_normals.push(normal / (2.0 * area));
         }
-        self.normals = normals.iter().map(|normal| normal.try_normalize().unwrap_or(Vec3::Y)).collect();
-        let corners: Vec<[u32; 3]> = self.triangles.iter().map(|t| t.map(|v| self.node_of[v as usize])).collect();
+        self.normals = normals
+            .iter()
+            .map(|normal| normal.try_normalize().unwrap_or(Vec3::Y))
+            .collect();
+        let corners: Vec<[u32; 3]> = self
+            .triangles
+            .iter()
+            .map(|t| t.map(|v| self.node_of[v as usize]))
+            .collect();
         let mut around = vec![Vec::new(); self.nodes.len()];
         for (number, corner) in corners.iter().enumerate() {
-            corner.iter().for_each(|&node| around[node as usize].push(number as u32));
+            corner
+                .iter()
+                .for_each(|&node| around[node as usize].push(number as u32));
         }
         self.starts.push(0);
         self.edge_starts.push(0);
         let mut ring = Vec::new();
         for (node, list) in around.iter().enumerate() {
             ring.clear();
-            ring.extend(list.iter().flat_map(|&t| corners[t as usize]).filter(|&other| other != node as u32));
+            ring.extend(
+                list.iter()
+                    .flat_map(|&t| corners[t as usize])
+                    .filter(|&other| other != node as u32),
+            );
             ring.sort_unstable();
             ring.dedup();
             self.around.extend(list);
@@ -199,15 +262,20 @@ impl SkinMesh {
 
     /// Position of a point.
     pub fn position(&self, point: SurfacePoint) -> Vec3 {
-        let [a, b, c] = self.triangles[point.triangle as usize].map(|vertex| self.positions[vertex as usize]);
+        let [a, b, c] =
+            self.triangles[point.triangle as usize].map(|vertex| self.positions[vertex as usize]);
         a * point.bary.x + b * point.bary.y + c * point.bary.z
     }
 
     /// Smooth unit normal at a point.
     pub fn normal(&self, point: SurfacePoint) -> Vec3 {
-        let [a, b, c] = self.corner_nodes(point.triangle).map(|node| self.normals[node]);
+        let [a, b, c] = self
+            .corner_nodes(point.triangle)
+            .map(|node| self.normals[node]);
         let blend = a * point.bary.x + b * point.bary.y + c * point.bary.z;
-        blend.try_normalize().unwrap_or(self.face_normals[point.triangle as usize])
+        blend
+            .try_normalize()
+            .unwrap_or(self.face_normals[point.triangle as usize])
     }
 
     /// A vector field given on the nodes, interpolated.
@@ -221,7 +289,8 @@ impl SkinMesh {
         if self.tract_phi.is_empty() {
             return None;
         }
-        let [a, b, c] = self.triangles[triangle as usize].map(|vertex| self.tract_phi[vertex as usize][0].round() as i32);
+        let [a, b, c] = self.triangles[triangle as usize]
+            .map(|vertex| self.tract_phi[vertex as usize][0].round() as i32);
         Some(if b == c { b } else { a })
     }
 
@@ -229,7 +298,10 @@ impl SkinMesh {
     pub fn phi(&self, point: SurfacePoint) -> Option<f32> {
         let tract = self.tract(point.triangle)?;
         let (mut sum, mut total) = (0.0, 0.0);
-        for (vertex, share) in self.triangles[point.triangle as usize].into_iter().zip(point.bary.to_array()) {
+        for (vertex, share) in self.triangles[point.triangle as usize]
+            .into_iter()
+            .zip(point.bary.to_array())
+        {
             let [number, phi] = self.tract_phi[vertex as usize];
             if number.round() as i32 == tract {
                 // A point on the far edge has no share of the tract's own vertices: keep the mean defined there.
@@ -238,7 +310,11 @@ impl SkinMesh {
             }
         }
         let phi = sum / total;
-        Some(if phi.is_finite() { phi.clamp(0.0, 1.0) } else { 0.0 })
+        Some(if phi.is_finite() {
+            phi.clamp(0.0, 1.0)
+        } else {
+            0.0
+        })
     }
 
     /// Joint weights at a point: the four strongest of its triangle.
@@ -282,9 +358,13 @@ impl SkinMesh {
 
     /// Closest point of one triangle (Ericson 2005, 5.1.5), and whether the target projects to its inside.
     fn closest_on(&self, triangle: u32, target: Vec3) -> (SurfacePoint, bool) {
-        let [a, b, c] = self.triangles[triangle as usize].map(|vertex| self.positions[vertex as usize]);
+        let [a, b, c] =
+            self.triangles[triangle as usize].map(|vertex| self.positions[vertex as usize]);
         let (ab, ac, ap) = (b - a, c - a, target - a);
-        let point = |y: f32, z: f32| SurfacePoint { triangle, bary: Vec3::new(1.0 - y - z, y, z) };
+        let point = |y: f32, z: f32| SurfacePoint {
+            triangle,
+            bary: Vec3::new(1.0 - y - z, y, z),
+        };
         let (d1, d2) = (ab.dot(ap), ac.dot(ap));
         if d1 <= 0.0 && d2 <= 0.0 {
             return (point(0.0, 0.0), false);
@@ -318,7 +398,12 @@ impl SkinMesh {
 
     /// Mean length of a triangle's side, metres.
     pub fn mean_edge(&self) -> f32 {
-        let mean = self.areas.iter().map(|area| (area * 2.309_4).sqrt()).sum::<f32>() / self.areas.len().max(1) as f32;
+        let mean = self
+            .areas
+            .iter()
+            .map(|area| (area * 2.309_4).sqrt())
+            .sum::<f32>()
+            / self.areas.len().max(1) as f32;
         mean.max(f32::MIN_POSITIVE)
     }
 }
@@ -326,15 +411,29 @@ impl SkinMesh {
 fn vertex_weights(mesh: &Mesh, count: usize, map: &[u16]) -> Vec<Weights> {
     let joints: Vec<[u16; 4]> = match mesh.try_attribute_option(Mesh::ATTRIBUTE_JOINT_INDEX) {
         Ok(Some(VertexAttributeValues::Uint16x4(values))) => values.clone(),
-        Ok(Some(VertexAttributeValues::Uint8x4(values))) => values.iter().map(|v| v.map(u16::from)).collect(),
+        Ok(Some(VertexAttributeValues::Uint8x4(values))) => {
+            values.iter().map(|v| v.map(u16::from)).collect()
+        }
         _ => return Vec::new(),
     };
-    let Some(weights) = floats::<4>(mesh, Mesh::ATTRIBUTE_JOINT_WEIGHT) else { return Vec::new() };
+    let Some(weights) = floats::<4>(mesh, Mesh::ATTRIBUTE_JOINT_WEIGHT) else {
+        return Vec::new();
+    };
     if joints.len() != count || weights.len() != count {
         return Vec::new();
     }
-    let rename = |joint: u16| if map.is_empty() { joint } else { map.get(usize::from(joint)).copied().unwrap_or(0) };
-    joints.iter().zip(&weights).map(|(joint, weight)| blend_weights([((joint.map(rename), *weight), 1.0)])).collect()
+    let rename = |joint: u16| {
+        if map.is_empty() {
+            joint
+        } else {
+            map.get(usize::from(joint)).copied().unwrap_or(0)
+        }
+    };
+    joints
+        .iter()
+        .zip(&weights)
+        .map(|(joint, weight)| blend_weights([((joint.map(rename), *weight), 1.0)]))
+        .collect()
 }
 
 /// Blends sets of joint weights by share; keeps the four strongest, sum 1. Ties go to the lower joint.
@@ -343,7 +442,7 @@ pub fn blend_weights(parts: impl IntoIterator<Item = (Weights, f32)>) -> Weights
     for ((joints, weights), share) in parts {
         for (joint, weight) in joints.into_iter().zip(weights) {
             let value = weight * share;
-            if !(value > 0.0 && value.is_finite()) {
+            if value <= 0.0 || !value.is_finite() {
                 continue;
             }
             match list.iter_mut().find(|(known, _)| *known == joint) {

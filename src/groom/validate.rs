@@ -12,11 +12,27 @@ struct Check<'a> {
 }
 
 impl Check<'_> {
-    fn fail<T>(&self, field: String, value: impl ToString, range: impl ToString) -> Result<T, GroomError> {
-        Err(GroomError::Value { file: self.file.into(), field, value: value.to_string(), range: range.to_string() })
+    fn fail<T>(
+        &self,
+        field: String,
+        value: impl ToString,
+        range: impl ToString,
+    ) -> Result<T, GroomError> {
+        Err(GroomError::Value {
+            file: self.file.into(),
+            field,
+            value: value.to_string(),
+            range: range.to_string(),
+        })
     }
 
-    fn within(&self, field: impl Into<String>, value: f32, low: f32, high: f32) -> Result<(), GroomError> {
+    fn within(
+        &self,
+        field: impl Into<String>,
+        value: f32,
+        low: f32,
+        high: f32,
+    ) -> Result<(), GroomError> {
         if value.is_finite() && (low..=high).contains(&value) {
             return Ok(());
         }
@@ -24,7 +40,10 @@ impl Check<'_> {
     }
 
     fn finite(&self, field: impl Into<String>, values: &[f32]) -> Result<(), GroomError> {
-        match values.iter().find(|value| !value.is_finite() || value.abs() > 1.0e9) {
+        match values
+            .iter()
+            .find(|value| !value.is_finite() || value.abs() > 1.0e9)
+        {
             None => Ok(()),
             Some(value) => self.fail(field.into(), value, "a finite number below 1e9"),
         }
@@ -36,8 +55,18 @@ impl Check<'_> {
     }
 
     fn segments(&self, field: &str, segments: (u8, u8)) -> Result<(), GroomError> {
-        self.within(format!("{field}.segments.0"), f32::from(segments.0), 1.0, 64.0)?;
-        self.within(format!("{field}.segments.1"), f32::from(segments.1), 1.0, 16.0)
+        self.within(
+            format!("{field}.segments.0"),
+            f32::from(segments.0),
+            1.0,
+            64.0,
+        )?;
+        self.within(
+            format!("{field}.segments.1"),
+            f32::from(segments.1),
+            1.0,
+            16.0,
+        )
     }
 
     fn tint(&self, field: &str, tint: Tint) -> Result<(), GroomError> {
@@ -61,7 +90,11 @@ impl Check<'_> {
         if usize::from(feather) < count {
             return Ok(());
         }
-        self.fail(format!("{field}.feather"), feather, format!("an index below {count} (the length of feathers)"))
+        self.fail(
+            format!("{field}.feather"),
+            feather,
+            format!("an index below {count} (the length of feathers)"),
+        )
     }
 
     fn select(&self, field: &str, select: &Select) -> Result<(), GroomError> {
@@ -74,7 +107,9 @@ impl Check<'_> {
                 self.finite(format!("{field}.Within"), low)?;
                 self.finite(format!("{field}.Within"), high)
             }
-            Select::Any(list) | Select::Every(list) => list.iter().try_for_each(|inner| self.select(field, inner)),
+            Select::Any(list) | Select::Every(list) => {
+                list.iter().try_for_each(|inner| self.select(field, inner))
+            }
             Select::Not(inner) => self.select(field, inner),
             Select::All | Select::Tract(_) | Select::Joints(_) => Ok(()),
         }
@@ -84,7 +119,11 @@ impl Check<'_> {
         self.select(&format!("{field}.select"), &region.select)?;
         self.feather(field, region.feather, feathers)?;
         if region.count > MAX_COUNT {
-            return self.fail(format!("{field}.count"), region.count, format!("0..={MAX_COUNT}"));
+            return self.fail(
+                format!("{field}.count"),
+                region.count,
+                format!("0..={MAX_COUNT}"),
+            );
         }
         if let super::asset::Placement::Rows(rows) = region.placement
             && !(1..=10_000).contains(&rows)
@@ -105,14 +144,22 @@ impl Check<'_> {
 
     fn guide(&self, field: &str, guide: &Guide, regions: &[Region]) -> Result<(), GroomError> {
         if guide.points.len() < 2 || guide.points.len() > 4096 {
-            return self.fail(format!("{field}.points"), format!("{} points", guide.points.len()), "2..=4096 points");
+            return self.fail(
+                format!("{field}.points"),
+                format!("{} points", guide.points.len()),
+                "2..=4096 points",
+            );
         }
         for (i, point) in guide.points.iter().enumerate() {
             self.finite(format!("{field}.points[{i}]"), point)?;
         }
         for name in &guide.regions {
             if !regions.iter().any(|region| &region.name == name) {
-                return self.fail(format!("{field}.regions"), format!("{name:?}"), "the name of a region");
+                return self.fail(
+                    format!("{field}.regions"),
+                    format!("{name:?}"),
+                    "the name of a region",
+                );
             }
         }
         Ok(())
@@ -121,28 +168,44 @@ impl Check<'_> {
     fn row(&self, field: &str, row: &Row, feathers: usize) -> Result<(), GroomError> {
         self.feather(field, row.feather, feathers)?;
         if row.lengths.is_empty() || row.lengths.len() > 512 {
-            return self.fail(format!("{field}.lengths"), format!("{} values", row.lengths.len()), "1..=512 values");
+            return self.fail(
+                format!("{field}.lengths"),
+                format!("{} values", row.lengths.len()),
+                "1..=512 values",
+            );
         }
         for (i, length) in row.lengths.iter().enumerate() {
             self.within(format!("{field}.lengths[{i}]"), *length, 1.0e-6, 1.0e6)?;
         }
         self.span(&format!("{field}.width"), row.width, 1.0e-6, 1.0e6)?;
         if row.stations.len() < 2 {
-            return self.fail(format!("{field}.stations"), format!("{} stations", row.stations.len()), "2 or more stations");
+            return self.fail(
+                format!("{field}.stations"),
+                format!("{} stations", row.stations.len()),
+                "2 or more stations",
+            );
         }
         let mut before = f32::NEG_INFINITY;
         for (i, station) in row.stations.iter().enumerate() {
             let field = format!("{field}.stations[{i}]");
             self.within(format!("{field}.at"), station.at, 0.0, 1.0)?;
             if station.at <= before {
-                return self.fail(format!("{field}.at"), station.at, format!("more than the station before ({before})"));
+                return self.fail(
+                    format!("{field}.at"),
+                    station.at,
+                    format!("more than the station before ({before})"),
+                );
             }
             before = station.at;
             self.finite(format!("{field}.root"), &station.root)?;
             for (name, vector) in [("direction", station.direction), ("normal", station.normal)] {
                 self.finite(format!("{field}.{name}"), &vector)?;
                 if vector.iter().map(|x| x * x).sum::<f32>() < 1.0e-12 {
-                    return self.fail(format!("{field}.{name}"), format!("{vector:?}"), "a vector longer than 1e-6");
+                    return self.fail(
+                        format!("{field}.{name}"),
+                        format!("{vector:?}"),
+                        "a vector longer than 1e-6",
+                    );
                 }
             }
             for (name, weights) in [("ride", &station.ride), ("follow", &station.follow)] {
@@ -184,8 +247,10 @@ impl Groom {
     /// [`GroomError::Write`] if a value has no text form.
     pub fn to_ron(&self, file: &str) -> Result<String, GroomError> {
         let config = ron::ser::PrettyConfig::new().depth_limit(4);
-        ron::ser::to_string_pretty(self, config)
-            .map_err(|error| GroomError::Write { file: file.into(), message: error.to_string() })
+        ron::ser::to_string_pretty(self, config).map_err(|error| GroomError::Write {
+            file: file.into(),
+            message: error.to_string(),
+        })
     }
 
     /// Checks every field. `file` names the groom in errors.
@@ -199,7 +264,11 @@ impl Groom {
         }
         check.within("unit", self.unit, 1.0e-9, 1.0e9)?;
         if self.feathers.len() > 4096 {
-            return check.fail("feathers".into(), format!("{} paths", self.feathers.len()), "0..=4096 paths");
+            return check.fail(
+                "feathers".into(),
+                format!("{} paths", self.feathers.len()),
+                "0..=4096 paths",
+            );
         }
         if self.regions.len() + self.rows.len() > 4096 {
             let found = self.regions.len() + self.rows.len();

@@ -16,12 +16,20 @@ pub const JOINTS: [&str; 4] = ["root", "spine", "wing_L", "wing_R"];
 
 /// Where the joints are in bind pose.
 pub fn joint_places() -> Vec<Vec3> {
-    vec![Vec3::ZERO, Vec3::new(0.0, 0.0, 0.05), Vec3::new(0.05, 0.0, 0.02), Vec3::new(-0.05, 0.0, 0.02)]
+    vec![
+        Vec3::ZERO,
+        Vec3::new(0.0, 0.0, 0.05),
+        Vec3::new(0.05, 0.0, 0.02),
+        Vec3::new(-0.05, 0.0, 0.02),
+    ]
 }
 
 /// Inverse bind poses of the joints.
 pub fn inverse_bind() -> Vec<Mat4> {
-    joint_places().iter().map(|place| Mat4::from_translation(-*place)).collect()
+    joint_places()
+        .iter()
+        .map(|place| Mat4::from_translation(-*place))
+        .collect()
 }
 
 /// The ellipsoid; `tracts`: with TEXCOORD_1 (tract 1 above, 2 below; phi from head to tail).
@@ -33,10 +41,17 @@ pub fn body(tracts: bool) -> Mesh {
         let polar = std::f32::consts::PI * i as f32 / rings as f32;
         for j in 0..=sides {
             let turn = std::f32::consts::TAU * j as f32 / sides as f32;
-            let unit = Vec3::new(polar.sin() * turn.sin(), polar.sin() * turn.cos(), polar.cos());
+            let unit = Vec3::new(
+                polar.sin() * turn.sin(),
+                polar.sin() * turn.cos(),
+                polar.cos(),
+            );
             positions.push((unit * HALF).to_array());
             normals.push((unit / HALF).normalize().to_array());
-            uvs.push([if unit.y >= 0.0 { 1.0 } else { 2.0 }, i as f32 / rings as f32]);
+            uvs.push([
+                if unit.y >= 0.0 { 1.0 } else { 2.0 },
+                i as f32 / rings as f32,
+            ]);
             let front = (0.5 + 0.5 * unit.z).clamp(0.0, 1.0);
             joints.push([0_u16, 1, 0, 0]);
             weights.push([1.0 - front, front, 0.0, 0.0]);
@@ -50,13 +65,19 @@ pub fn body(tracts: bool) -> Mesh {
             indices.extend([a, b + 1, a + 1, a, b, b + 1]);
         }
     }
-    let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
+    let mut mesh = Mesh::new(
+        PrimitiveTopology::TriangleList,
+        RenderAssetUsages::default(),
+    );
     mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
     mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
     if tracts {
         mesh.insert_attribute(Mesh::ATTRIBUTE_UV_1, uvs);
     }
-    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, VertexAttributeValues::Uint16x4(joints));
+    mesh.insert_attribute(
+        Mesh::ATTRIBUTE_JOINT_INDEX,
+        VertexAttributeValues::Uint16x4(joints),
+    );
     mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
     mesh.insert_indices(Indices::U32(indices));
     mesh
@@ -100,7 +121,10 @@ fn station(at: f32, root: [f32; 3], direction: [f32; 3], joint: &str) -> Station
         direction,
         normal: [0.2, 1.0, 0.0],
         ride: vec![("wing_L".into(), 1.0)],
-        follow: vec![("root".into(), if joint == "root" { 1.0 } else { 0.0 }), ("wing_L".into(), if joint == "root" { 0.0 } else { 1.0 })],
+        follow: vec![
+            ("root".into(), if joint == "root" { 1.0 } else { 0.0 }),
+            ("wing_L".into(), if joint == "root" { 0.0 } else { 1.0 }),
+        ],
     }
 }
 
@@ -124,7 +148,15 @@ pub fn wing() -> Row {
         offset: 0.8,
         segments: (6, 4),
         tint: Tint([0.1, 0.2, 0.6], [0.1, 0.2, 0.6]),
-        jitter: Jitter { yaw: 0.0, roll: 0.0, lift: 0.0, length: 0.0, width: 0.0, hue: 0.0, value: 0.0 },
+        jitter: Jitter {
+            yaw: 0.0,
+            roll: 0.0,
+            lift: 0.0,
+            length: 0.0,
+            width: 0.0,
+            hue: 0.0,
+            value: 0.0,
+        },
     }
 }
 
@@ -138,7 +170,11 @@ pub fn groom() -> Groom {
         unit: 0.001,
         feathers: vec!["a.feather.ron".into()],
         regions: vec![back, region("belly", Select::Tract(2), 350, 4.0)],
-        guides: vec![Guide { points: vec![[0.0, 60.0, 40.0], [0.0, 60.0, -40.0]], mirror: false, regions: vec![] }],
+        guides: vec![Guide {
+            points: vec![[0.0, 60.0, 40.0], [0.0, 60.0, -40.0]],
+            mirror: false,
+            regions: vec![],
+        }],
         rows: vec![wing()],
     }
 }
