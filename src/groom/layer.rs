@@ -205,15 +205,10 @@ fn turn_leaf(leaf: &mut Leaf, turn: Vec2) {
     let along: Vec<Vec3> = (0..=last).map(|i| leaf.along(i)).collect();
     for (i, along) in along.into_iter().enumerate() {
         let normal = leaf.shaft.normals[i];
-<<<<<<< HEAD
-        leaf.shaft.points[i] += normal * (angle * step * i as f32);
-        leaf.shaft.normals[i] = (normal - along * angle).try_normalize().unwrap_or(normal);
-=======
         let side = along.cross(normal);
         leaf.shaft.points[i] += normal * (turn.x * step * i as f32);
         let turned = normal - along * turn.x - side * turn.y;
         leaf.shaft.normals[i] = turned.try_normalize().unwrap_or(normal);
->>>>>>> groom
     }
     let span = leaf.shaft.points[1] - leaf.shaft.points[0];
     leaf.card.along = span.try_normalize().unwrap_or(leaf.card.along);
