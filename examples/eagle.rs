@@ -64,5 +64,12 @@ fn setup(
         0.0,
         Transform::IDENTITY,
     );
-    scene::spawn_perch(&mut commands, &mut meshes, &mut materials, 0.035, 3.0, Vec3::ZERO);
+    scene::spawn_perch(
+        &mut commands,
+        &mut meshes,
+        &mut materials,
+        0.035,
+        3.0,
+        Vec3::ZERO,
+    );
 }

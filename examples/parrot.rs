@@ -55,7 +55,10 @@ fn setup(
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
     let density = args.density.unwrap_or(0.5);
-    let places = [(Vec3::new(-0.17, 0.0, 0.0), 0.25), (Vec3::new(0.17, 0.0, 0.0), -0.2)];
+    let places = [
+        (Vec3::new(-0.17, 0.0, 0.0), 0.25),
+        (Vec3::new(0.17, 0.0, 0.0), -0.2),
+    ];
     for (i, (place, turn)) in places.into_iter().enumerate() {
         scene::spawn_bird(
             &mut commands,
@@ -68,5 +71,12 @@ fn setup(
             Transform::from_translation(place).with_rotation(Quat::from_rotation_y(turn)),
         );
     }
-    scene::spawn_perch(&mut commands, &mut meshes, &mut materials, 0.022, 3.0, Vec3::ZERO);
+    scene::spawn_perch(
+        &mut commands,
+        &mut meshes,
+        &mut materials,
+        0.022,
+        3.0,
+        Vec3::ZERO,
+    );
 }

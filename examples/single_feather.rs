@@ -21,7 +21,10 @@ fn main() {
         app.insert_resource(Shots {
             hero: shot(Vec3::new(0.0, 0.155, 0.0), Vec3::new(0.10, 0.05, 0.80)),
             closeup: shot(Vec3::new(0.004, 0.16, 0.0), Vec3::new(0.012, 0.15, 0.055)),
-            macro_: shot(Vec3::new(0.006, 0.16, 0.0), Vec3::new(0.0065, 0.1595, 0.0075)),
+            macro_: shot(
+                Vec3::new(0.006, 0.16, 0.0),
+                Vec3::new(0.0065, 0.1595, 0.0075),
+            ),
             full: shot(Vec3::new(0.0, 0.155, 0.0), Vec3::new(0.0, 0.155, 0.85)),
             back: shot(Vec3::new(0.0, 0.155, 0.0), Vec3::new(-0.15, 0.2, -0.80)),
             far: shot(Vec3::new(0.0, 0.155, 0.0), Vec3::new(1.0, 1.0, 8.0)),
@@ -69,24 +72,21 @@ fn spawn(
             ..default()
         };
         quality.settings.debug_view = args.view.into();
-        commands
-            .entity(entity)
-            .remove::<Waiting>()
-            .insert((
-                Mesh3d(meshes.add(card_mesh(length, width))),
-                quality,
-                PlumageCards {
-                    cards: [card(length, width)].into(),
-                    geometry: [CardGeometry {
-                        first_vertex: 0,
-                        vertex_count: 75,
-                    }]
-                    .into(),
-                    groom: Handle::default(),
-                    feathers: vec![handle.clone()],
-                    owner: entity,
-                },
-            ));
+        commands.entity(entity).remove::<Waiting>().insert((
+            Mesh3d(meshes.add(card_mesh(length, width))),
+            quality,
+            PlumageCards {
+                cards: [card(length, width)].into(),
+                geometry: [CardGeometry {
+                    first_vertex: 0,
+                    vertex_count: 75,
+                }]
+                .into(),
+                groom: Handle::default(),
+                feathers: vec![handle.clone()],
+                owner: entity,
+            },
+        ));
     }
 }
 
@@ -122,7 +122,9 @@ fn card_mesh(length: f32, width: f32) -> Mesh {
         let center = Vec3::new(0.0, angle.sin(), angle.cos() - 1.0) * length / 0.35;
         let normal = Vec3::new(0.0, angle.sin(), angle.cos());
         for u in [0.0, 0.5, 1.0] {
-            positions.push(center + Vec3::X * (u - 0.5) * width - normal * (u - 0.5).abs() * 0.12 * width);
+            positions.push(
+                center + Vec3::X * (u - 0.5) * width - normal * (u - 0.5).abs() * 0.12 * width,
+            );
             normals.push((normal + Vec3::X * (u - 0.5) * 0.5).normalize());
             tangents.push([0.0, angle.cos(), -angle.sin(), -1.0]);
             uvs.push([u, v]);
@@ -135,11 +137,14 @@ fn card_mesh(length: f32, width: f32) -> Mesh {
             }
         }
     }
-    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, tangents)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, ids)
-        .with_inserted_indices(Indices::U32(indices))
+    Mesh::new(
+        PrimitiveTopology::TriangleList,
+        RenderAssetUsages::default(),
+    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+    .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, tangents)
+    .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
+    .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, ids)
+    .with_inserted_indices(Indices::U32(indices))
 }

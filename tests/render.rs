@@ -44,11 +44,10 @@ fn spawn(stage: &mut Stage, groom: Groom, at: Vec3) -> Entity {
         .resource_mut::<Assets<Groom>>()
         .add(groom);
     let skin = stage.spawn_skin();
-    stage
-        .app
-        .world_mut()
-        .entity_mut(skin)
-        .insert((Plumage::new(handle).with_seed(3), Transform::from_translation(at)));
+    stage.app.world_mut().entity_mut(skin).insert((
+        Plumage::new(handle).with_seed(3),
+        Transform::from_translation(at),
+    ));
     skin
 }
 
@@ -64,13 +63,18 @@ fn counted(stage: &Stage) -> u64 {
 }
 
 fn lit_share(picture: &[[f32; 3]]) -> f32 {
-    let lit = picture.iter().filter(|p| p.iter().sum::<f32>() > 0.02).count();
+    let lit = picture
+        .iter()
+        .filter(|p| p.iter().sum::<f32>() > 0.02)
+        .count();
     lit as f32 / picture.len() as f32
 }
 
 #[test]
 fn two_birds_at_once_appear_are_counted_and_stand_still() {
-    let Some(mut stage) = Stage::new() else { return };
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
     spawn(&mut stage, groom(150), Vec3::new(-0.12, 0.0, 0.0));
     spawn(&mut stage, groom(90), Vec3::new(0.12, 0.0, 0.0));
     stage.settle();
@@ -80,7 +84,9 @@ fn two_birds_at_once_appear_are_counted_and_stand_still() {
     assert!(lit_share(&first) > 0.2, "{}", lit_share(&first));
     assert!(first == second, "a still camera flickers");
     // Red feathers: the tint of the groom arrives.
-    let sum = first.iter().fold([0.0; 3], |s, p| [s[0] + p[0], s[1] + p[1], s[2] + p[2]]);
+    let sum = first
+        .iter()
+        .fold([0.0; 3], |s, p| [s[0] + p[0], s[1] + p[1], s[2] + p[2]]);
     assert!(sum[0] > 1.5 * sum[1] && sum[0] > 1.5 * sum[2], "{sum:?}");
     for _ in 0..4 {
         stage.frame();
@@ -92,7 +98,9 @@ fn two_birds_at_once_appear_are_counted_and_stand_still() {
 
 #[test]
 fn zero_feathers_are_ready_and_draw_nothing() {
-    let Some(mut stage) = Stage::new() else { return };
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
     let skin = spawn(&mut stage, groom(0), Vec3::ZERO);
     stage.settle();
     let state = stage.app.world().get::<PlumageState>(skin).unwrap();
@@ -103,14 +111,20 @@ fn zero_feathers_are_ready_and_draw_nothing() {
 
 #[test]
 fn a_missing_groom_or_feather_is_an_error_not_a_panic() {
-    let Some(mut stage) = Stage::new() else { return };
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
     let missing = stage
         .app
         .world()
         .resource::<AssetServer>()
         .load("grooms/no_such_bird.groom.ron");
     let bird = stage.spawn_skin();
-    stage.app.world_mut().entity_mut(bird).insert(Plumage::new(missing));
+    stage
+        .app
+        .world_mut()
+        .entity_mut(bird)
+        .insert(Plumage::new(missing));
     let mut bare = groom(10);
     bare.feathers = vec!["feathers/no_such_feather.feather.ron".into()];
     let other = spawn(&mut stage, bare, Vec3::ZERO);
@@ -124,7 +138,9 @@ fn a_missing_groom_or_feather_is_an_error_not_a_panic() {
 
 #[test]
 fn a_slow_dolly_does_not_pop() {
-    let Some(mut stage) = Stage::new() else { return };
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
     spawn(&mut stage, groom(150), Vec3::ZERO);
     stage.settle();
     let mut before: Option<f32> = None;
@@ -142,11 +158,18 @@ fn a_slow_dolly_does_not_pop() {
             let (x, y) = (*i as u32 % SIZE, *i as u32 / SIZE);
             x.abs_diff(half) < 6 && y.abs_diff(half) < 6
         };
-        let mean = (0..picture.len()).filter(middle).map(|i| picture[i][0]).sum::<f32>() / 121.0;
+        let mean = (0..picture.len())
+            .filter(middle)
+            .map(|i| picture[i][0])
+            .sum::<f32>()
+            / 121.0;
         if let Some(before) = before {
             largest = largest.max((mean - before).abs() / before.max(0.05));
         }
         before = Some(mean);
     }
-    assert!(largest < 0.2, "the mean of the coat jumps by {largest} in a step");
+    assert!(
+        largest < 0.2,
+        "the mean of the coat jumps by {largest} in a step"
+    );
 }

@@ -77,7 +77,11 @@ fn variants() -> Vec<(&'static str, Vec<&'static str>)> {
             &["ENVIRONMENT_MAP", "ALPHA_TO_COVERAGE", "MULTISAMPLED"],
             &["DISTANCE_FOG", "ENVIRONMENT_MAP"],
             &["OIT_ENABLED", "ENVIRONMENT_MAP"],
-            &["TONEMAP_IN_SHADER", "TONEMAP_METHOD_ACES_FITTED", "OIT_ENABLED"],
+            &[
+                "TONEMAP_IN_SHADER",
+                "TONEMAP_METHOD_ACES_FITTED",
+                "OIT_ENABLED",
+            ],
             &["DEPTH_PREPASS", "NORMAL_PREPASS", "ENVIRONMENT_MAP"],
             &["IRRADIANCE_VOLUMES_ARE_USABLE", "ENVIRONMENT_MAP"],
         ] {
@@ -104,7 +108,12 @@ fn variants() -> Vec<(&'static str, Vec<&'static str>)> {
 fn every_variant_is_valid() {
     let mut app = app();
     let start = Instant::now();
-    let files = ["feather.wgsl", "feather_vertex.wgsl", "feather_prepass.wgsl", "feather_lod.wgsl"];
+    let files = [
+        "feather.wgsl",
+        "feather_vertex.wgsl",
+        "feather_prepass.wgsl",
+        "feather_lod.wgsl",
+    ];
     let handles: Vec<Handle<Shader>> = {
         let server = app.world().resource::<AssetServer>();
         files
@@ -118,7 +127,10 @@ fn every_variant_is_valid() {
         if handles.iter().all(|handle| shaders.contains(handle.id())) {
             break;
         }
-        assert!(start.elapsed() < Duration::from_secs(30), "shaders did not load");
+        assert!(
+            start.elapsed() < Duration::from_secs(30),
+            "shaders did not load"
+        );
         std::thread::sleep(Duration::from_millis(2));
     }
     for _ in 0..20 {

@@ -12,12 +12,12 @@ use bevy::{
     },
 };
 use bevy_plumage::prelude::*;
-use wgpu_types::DeviceType;
 use std::{
     path::{Path, PathBuf},
     sync::{Arc, Mutex},
     time::{Duration, Instant},
 };
+use wgpu_types::DeviceType;
 
 /// Longest wait for assets and grooms.
 const LOAD_TIMEOUT: Duration = Duration::from_secs(120);
@@ -88,8 +88,7 @@ fn shown(path: &Path) -> String {
 }
 
 fn target(app: &mut App, (width, height): (u32, u32)) -> Handle<Image> {
-    let mut image =
-        Image::new_target_texture(width, height, TextureFormat::Rgba8UnormSrgb, None);
+    let mut image = Image::new_target_texture(width, height, TextureFormat::Rgba8UnormSrgb, None);
     image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
     app.world_mut().resource_mut::<Assets<Image>>().add(image)
 }
@@ -127,7 +126,8 @@ fn load(app: &mut App, name: &str) {
             println!("{text}");
             shown = text;
         }
-        if all == ready + failed && app.should_exit().is_none() && start.elapsed().as_millis() > 200 {
+        if all == ready + failed && app.should_exit().is_none() && start.elapsed().as_millis() > 200
+        {
             return;
         }
         if app.should_exit().is_some() {

@@ -10,7 +10,10 @@ pub mod stats;
 use bevy::{
     pbr::DefaultOpaqueRendererMethod,
     prelude::*,
-    render::{RenderPlugin, diagnostic::RenderDiagnosticsPlugin, pipelined_rendering::PipelinedRenderingPlugin},
+    render::{
+        RenderPlugin, diagnostic::RenderDiagnosticsPlugin,
+        pipelined_rendering::PipelinedRenderingPlugin,
+    },
     time::TimeUpdateStrategy,
     window::ExitCondition,
     winit::WinitPlugin,
@@ -183,7 +186,12 @@ pub fn run(name: &'static str, scene: fn(&mut App)) {
     app.insert_resource(args.clone())
         .insert_resource(DefaultOpaqueRendererMethod::forward())
         .insert_resource(ClearColor(Color::srgb(0.72, 0.76, 0.80)))
-        .add_plugins((RenderDiagnosticsPlugin, PlumagePlugins, scene::ScenePlugin, camera::CameraPlugin));
+        .add_plugins((
+            RenderDiagnosticsPlugin,
+            PlumagePlugins,
+            scene::ScenePlugin,
+            camera::CameraPlugin,
+        ));
     scene(&mut app);
     if off_screen {
         headless::run(app, name, &args);

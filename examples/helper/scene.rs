@@ -109,7 +109,10 @@ pub fn spawn_bird(
                 },
                 ..default()
             },
-            Idle(assets.load(GltfAssetLabel::Animation(0).from_asset(file)), phase),
+            Idle(
+                assets.load(GltfAssetLabel::Animation(0).from_asset(file)),
+                phase,
+            ),
             transform,
         ))
         .id()

@@ -104,7 +104,11 @@ pub fn maps() -> (Image, Image) {
         // A GGX lobe of roughness r is about cos^(2/r^4 - 2) wide.
         _ => {
             let roughness = level as f32 / 4.0;
-            filtered(direction, (2.0 / roughness.powi(4) - 2.0).clamp(1.0, 60.0), &samples)
+            filtered(
+                direction,
+                (2.0 / roughness.powi(4) - 2.0).clamp(1.0, 60.0),
+                &samples,
+            )
         }
     });
     let diffuse = cube(8, 1, |direction, _| filtered(direction, 1.0, &samples));

@@ -16,7 +16,6 @@ use bevy::{
 };
 use serde::{Deserialize, Serialize};
 
-
 /// How what lies behind a feather shows through it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect, Serialize, Deserialize)]
 #[non_exhaustive]

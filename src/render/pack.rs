@@ -17,8 +17,7 @@ use bevy::{
 /// vec4s of a feather's header.
 pub const HEADER_LENGTH: usize = 24;
 /// vec4s of one feather.
-pub const FEATHER_STRIDE: usize =
-    HEADER_LENGTH + RACHIS_ROWS + CONTOUR_ROWS + SHEEN_TABLE_SIZE;
+pub const FEATHER_STRIDE: usize = HEADER_LENGTH + RACHIS_ROWS + CONTOUR_ROWS + SHEEN_TABLE_SIZE;
 /// vec4s (of `u32`) of one card record.
 pub const CARD_VEC4S: usize = 5;
 /// Size of a baked albedo layer.
@@ -63,7 +62,10 @@ impl PackedFeathers {
 
     /// Bytes of the texture array.
     pub fn albedo_bytes(&self) -> u64 {
-        self.albedo.data.as_ref().map_or(0, |data| data.len() as u64)
+        self.albedo
+            .data
+            .as_ref()
+            .map_or(0, |data| data.len() as u64)
     }
 }
 
@@ -154,7 +156,9 @@ pub fn pack_cards(cards: &[Card]) -> Vec<u8> {
         let [a, b, c, d] = card.joints.map(u32::from);
         word(a | b << 16);
         word(c | d << 16);
-        let [a, b, c, d] = card.weights.map(|w| (w.clamp(0.0, 1.0) * 65535.0).round() as u32);
+        let [a, b, c, d] = card
+            .weights
+            .map(|w| (w.clamp(0.0, 1.0) * 65535.0).round() as u32);
         word(a | b << 16);
         word(c | d << 16);
         let layer = (card.layer - layers.0) / (layers.1 - layers.0).max(1e-6);
@@ -163,7 +167,9 @@ pub fn pack_cards(cards: &[Card]) -> Vec<u8> {
                 | u32::from(card.mirrored) << 16
                 | ((layer.clamp(0.0, 1.0) * 255.0) as u32) << 24,
         );
-        let [r, g, b] = card.tint.map(|t| (t.clamp(0.0, 1.0).sqrt() * 1023.0).round() as u32);
+        let [r, g, b] = card
+            .tint
+            .map(|t| (t.clamp(0.0, 1.0).sqrt() * 1023.0).round() as u32);
         word(r | g << 10 | b << 20);
         word(card.seed);
         word(0);
@@ -181,9 +187,17 @@ fn albedo_array(feathers: &[&Feather], images: &Assets<Image>) -> Image {
             .as_ref()
             .and_then(|handle| images.get(handle))
             .and_then(|image| resample(image, width, height))
-            .unwrap_or_else(|| feather.albedo.front.bake(width as usize, height as usize, feather));
+            .unwrap_or_else(|| {
+                feather
+                    .albedo
+                    .front
+                    .bake(width as usize, height as usize, feather)
+            });
         let back: Option<&Pattern> = feather.albedo.back.as_ref();
-        let back = back.map_or_else(|| front.clone(), |back| back.bake(width as usize, height as usize, feather));
+        let back = back.map_or_else(
+            || front.clone(),
+            |back| back.bake(width as usize, height as usize, feather),
+        );
         for face in [front, back] {
             levels = append_with_mips(&mut data, face, width, height);
         }
@@ -226,7 +240,12 @@ fn resample(image: &Image, width: u32, height: u32) -> Option<Vec<u8>> {
 }
 
 /// Appends a layer and its mip levels (halved by plain averages), largest first; returns the number of levels.
-fn append_with_mips(data: &mut Vec<u8>, mut level: Vec<u8>, mut width: u32, mut height: u32) -> u32 {
+fn append_with_mips(
+    data: &mut Vec<u8>,
+    mut level: Vec<u8>,
+    mut width: u32,
+    mut height: u32,
+) -> u32 {
     let mut count = 1;
     data.extend_from_slice(&level);
     while width > 4 && height > 4 {

@@ -20,7 +20,13 @@ impl Plugin for WearPlugin {
             .init_resource::<PlumageMemory>()
             .add_systems(
                 PostUpdate,
-                (refresh_feathers, wear_feathers, apply_quality, measure_memory).chain(),
+                (
+                    refresh_feathers,
+                    wear_feathers,
+                    apply_quality,
+                    measure_memory,
+                )
+                    .chain(),
             );
     }
 }

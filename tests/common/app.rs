@@ -65,15 +65,16 @@ impl Stage {
             RenderDiagnosticsPlugin,
             PlumagePlugins,
         ));
-        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(16)))
-            .insert_resource(ClearColor(Color::BLACK));
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
+            16,
+        )))
+        .insert_resource(ClearColor(Color::BLACK));
         while app.plugins_state() == PluginsState::Adding {
             bevy::tasks::tick_global_task_pools_on_main_thread();
         }
         app.finish();
         app.cleanup();
-        let mut image =
-            Image::new_target_texture(SIZE, SIZE, TextureFormat::Rgba8UnormSrgb, None);
+        let mut image = Image::new_target_texture(SIZE, SIZE, TextureFormat::Rgba8UnormSrgb, None);
         image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
         let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
         let light = EnvironmentMapLight {
@@ -134,7 +135,10 @@ impl Stage {
             if done && start.elapsed() > Duration::from_millis(300) {
                 break;
             }
-            assert!(start.elapsed() < Duration::from_secs(60), "the groom never ended");
+            assert!(
+                start.elapsed() < Duration::from_secs(60),
+                "the groom never ended"
+            );
             std::thread::sleep(Duration::from_millis(2));
         }
         for _ in 0..4 {

@@ -156,7 +156,11 @@ impl Template {
                 proximal_radius_um: micro.radius[1],
             },
             fringe: self.fringe,
-            downy: if micro.downy > 0.9 { micro.downy } else { micro.downy * DOWN_SHOWN },
+            downy: if micro.downy > 0.9 {
+                micro.downy
+            } else {
+                micro.downy * DOWN_SHOWN
+            },
         };
         Feather {
             version: Feather::VERSION,

@@ -3,7 +3,7 @@
 use super::{super::material::FeatherMaterial, CARD_COUNTERS};
 use crate::{groom::PlumageCards, shaders::FEATHER_LOD};
 use bevy::{
-    pbr::{SkinUniforms, MeshMaterial3d},
+    pbr::{MeshMaterial3d, SkinUniforms},
     prelude::*,
     render::{
         Extract,
@@ -11,9 +11,7 @@ use bevy::{
         diagnostic::RecordDiagnostics,
         render_asset::RenderAssets,
         render_resource::{
-            binding_types::{
-                storage_buffer_read_only_sized, storage_buffer_sized, uniform_buffer,
-            },
+            binding_types::{storage_buffer_read_only_sized, storage_buffer_sized, uniform_buffer},
             *,
         },
         renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
