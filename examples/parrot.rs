@@ -15,16 +15,16 @@ fn main() {
             hero: Framing {
                 target: Vec3::new(0.0, -0.02, -0.08),
                 eye: Vec3::new(1.75, 0.48, 1.75),
-                fov: 19.5,
+                fov: 17.5,
             },
             closeup: Framing {
                 target: Vec3::new(-0.16, 0.20, 0.05),
-                eye: Vec3::new(0.02, 0.26, 0.27),
+                eye: Vec3::new(-0.07, 0.235, 0.165),
                 fov: 24.0,
             },
             macro_: Framing {
                 target: Vec3::new(-0.16, 0.20, 0.05),
-                eye: Vec3::new(-0.14, 0.21, 0.085),
+                eye: Vec3::new(-0.145, 0.206, 0.092),
                 fov: 20.0,
             },
             full: Framing {

@@ -18,26 +18,25 @@ use helper::{
 
 fn main() {
     helper::run("single_feather", |app| {
+        // Half way up; the card leans back a little there.
+        let middle = Vec3::new(0.006, 0.1542, -0.0135);
         app.insert_resource(Shots {
-            hero: shot(Vec3::new(0.0, 0.155, 0.0), Vec3::new(0.10, 0.05, 0.80)),
-            closeup: shot(Vec3::new(0.004, 0.16, 0.0), Vec3::new(0.012, 0.15, 0.055)),
-            macro_: shot(
-                Vec3::new(0.006, 0.16, 0.0),
-                Vec3::new(0.0065, 0.1595, 0.0075),
-            ),
-            full: shot(Vec3::new(0.0, 0.155, 0.0), Vec3::new(0.0, 0.155, 0.85)),
-            back: shot(Vec3::new(0.0, 0.155, 0.0), Vec3::new(-0.15, 0.2, -0.80)),
-            far: shot(Vec3::new(0.0, 0.155, 0.0), Vec3::new(1.0, 1.0, 8.0)),
+            hero: shot(middle, Vec3::new(0.12, -0.08, 0.80)),
+            closeup: shot(middle, Vec3::new(0.008, -0.01, 0.06)),
+            macro_: shot(middle, Vec3::new(0.0004, -0.0006, 0.005)),
+            full: shot(middle, Vec3::new(0.0, 0.0, 0.85)),
+            back: shot(middle, Vec3::new(-0.15, 0.05, -0.80)),
+            far: shot(middle, Vec3::new(1.0, 0.8, 8.0)),
         })
         .add_systems(Startup, load)
         .add_systems(Update, spawn);
     });
 }
 
-fn shot(target: Vec3, eye: Vec3) -> Framing {
+fn shot(target: Vec3, offset: Vec3) -> Framing {
     Framing {
         target,
-        eye,
+        eye: target + offset,
         fov: 24.0,
     }
 }

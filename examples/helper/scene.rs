@@ -52,12 +52,12 @@ impl Sky {
             EnvironmentMapLight {
                 diffuse_map: self.diffuse.clone(),
                 specular_map: self.specular.clone(),
-                intensity: 2600.0,
+                intensity: 3000.0,
                 ..default()
             },
             Skybox {
                 image: Some(self.specular.clone()),
-                brightness: 1800.0,
+                brightness: 3000.0,
                 ..default()
             },
         )

@@ -12,8 +12,8 @@ use bevy::{
 pub fn radiance(direction: Vec3) -> Vec3 {
     let up = direction.y;
     let zenith = Vec3::new(0.36, 0.52, 0.80);
-    let horizon = Vec3::new(0.86, 0.90, 0.92);
-    let ground = Vec3::new(0.26, 0.27, 0.22);
+    let horizon = Vec3::new(0.84, 0.91, 0.95);
+    let ground = Vec3::new(0.30, 0.36, 0.26);
     // The horizon is far and hazy: no line.
     let base = if up >= 0.0 {
         horizon.lerp(zenith, up.powf(0.7))

@@ -143,6 +143,31 @@ pub struct Albedo {
     /// An image over the UV rectangle that replaces the front pattern, path relative to the feather file (from a photograph).
     #[serde(default)]
     pub image: Option<String>,
+    /// How much of the painted colour each kind of fibre has.
+    #[serde(default)]
+    pub share: ColourShare,
+}
+
+/// Pigment is not spread evenly: factors on the painted colour, each 0..4, 1 = as painted. The product is kept below 1.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ColourShare {
+    /// Of the shaft.
+    pub rachis: f32,
+    /// Of the barbs.
+    pub barb: f32,
+    /// Of both families of barbules.
+    pub barbule: f32,
+}
+
+impl Default for ColourShare {
+    fn default() -> Self {
+        Self {
+            rachis: 1.0,
+            barb: 1.0,
+            barbule: 1.0,
+        }
+    }
 }
 
 /// A painted pattern: bands along the feather, a rim, bars. Each colour is sRGB `[r, g, b]` in 0..1, and each has a `tint`

@@ -15,7 +15,7 @@ mod validate;
 
 pub use contour::{CONTOUR_ROWS, RACHIS_ROWS, ShapeTable};
 pub use error::FeatherError;
-pub use feather::{Albedo, Barbules, Contour, Feather, Gaps, Pattern, Rachis, Vane};
+pub use feather::{Albedo, Barbules, ColourShare, Contour, Feather, Gaps, Pattern, Rachis, Vane};
 pub use loader::{AnatomyPlugin, FeatherLoader, FeatherSaver};
 pub use map::CanonicalFootprint;
 pub use pattern::{BAKE_HEIGHT, BAKE_WIDTH};

@@ -119,6 +119,10 @@ impl Feather {
         if let Some(back) = &self.albedo.back {
             back.check("albedo.back")?;
         }
+        let share = self.albedo.share;
+        inside("albedo.share.rachis", share.rachis, 0.0, 4.0)?;
+        inside("albedo.share.barb", share.barb, 0.0, 4.0)?;
+        inside("albedo.share.barbule", share.barbule, 0.0, 4.0)?;
         if let Some(image) = &self.albedo.image {
             counted("albedo.image", image.len(), 1, 1024)?;
         }

@@ -125,6 +125,8 @@ fn pack_feather(
         index[slot] = table as f32;
     }
     rows.push(index);
+    let share = feather.albedo.share;
+    rows.push([share.rachis, share.barb, share.barbule, share.barbule]);
     rows.resize(start + HEADER_LENGTH, [0.0; 4]);
     rows.extend_from_slice(&shape.rachis);
     rows.extend_from_slice(&shape.contour);

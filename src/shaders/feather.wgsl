@@ -209,7 +209,7 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
     let opacity = dot(covered.weights, vec4(1.0));
     let sheen = sheen_at(base, sheen_place(abs(frame.local_eye.z)));
     let fuzz_albedo = sheen_albedo(sheen, fuzz.x);
-    let single = single_scattering_albedo(albedo, settings.multiple_scattering);
+    let shares = feather_at(base + data::SHARES);
     let harmonics = select(8u, 3u, (in.card.w & 7u) == data::CARD_MEAN);
 
     // The part of the sky that the feathers above leave open grows towards the tip.
@@ -235,6 +235,8 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
                 continue;
             }
             let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x, frame);
+            let painted = min(albedo * shares[part], vec3(0.98));
+            let single = single_scattering_albedo(painted, settings.multiple_scattering);
             let shading = shade_part(base, part, tangent, frame, single, shape.w, harmonics);
             let again = multiple_scattering(fibre_albedo(shading), settings.multiple_scattering);
             let crowding = coverage_along_normal(base, part, covered.right);

@@ -17,6 +17,7 @@ const RIGHT_VANE: u32 = 4u;
 const SHEEN: u32 = 7u;       // strength, roughness
 const FIBRES: u32 = 8u;      // 4 x 3: rachis, barb, distal, proximal
 const TABLES: u32 = 20u;     // fibre table index of each of the four
+const SHARES: u32 = 21u;     // factor on the painted colour of each of the four
 
 // Class of a card, twin of CardClass.
 const CARD_CULLED: u32 = 0u;

@@ -1,6 +1,8 @@
 //! From a few shape and microstructure figures to a [`Feather`].
 
-use crate::anatomy::{Albedo, Barbules, Contour, Feather, Gaps, Pattern, Rachis, Spline, Vane};
+use crate::anatomy::{
+    Albedo, Barbules, ColourShare, Contour, Feather, Gaps, Pattern, Rachis, Spline, Vane,
+};
 use crate::scattering::{Fibre, FibreKind, Optics, Sheen};
 
 /// Share of the measured down that a body feather keeps. Cards lie less regularly than follicles do, so that more of each base
@@ -175,10 +177,28 @@ impl Template {
             left: vane(0),
             right: vane(1),
             gaps: self.gaps,
-            albedo: self.albedo.clone(),
+            albedo: Albedo {
+                share: colour_share(self.structural),
+                ..self.albedo.clone()
+            },
             optics: optics(self.structural, micro.downy),
             image: None,
         }
+    }
+}
+
+/// Rami carry more colour than barbules: most so where a spongy layer makes it (the barbules of blue feathers are near black),
+/// less where a pigment is in both.
+fn colour_share(structural: bool) -> ColourShare {
+    let (rachis, barb, barbule) = if structural {
+        (0.6, 1.35, 0.8)
+    } else {
+        (0.8, 1.45, 0.7)
+    };
+    ColourShare {
+        rachis,
+        barb,
+        barbule,
     }
 }
 
@@ -258,6 +278,7 @@ pub(super) fn both(front: Pattern) -> Albedo {
         front,
         back: None,
         image: None,
+        share: ColourShare::default(),
     }
 }
 
@@ -267,5 +288,6 @@ pub(super) fn faces(front: Pattern, back: Pattern) -> Albedo {
         front,
         back: Some(back),
         image: None,
+        share: ColourShare::default(),
     }
 }
