@@ -31,7 +31,7 @@ gallery: setup
 	./scripts/gallery.sh
 
 bench: setup
-	$(CARGO) bench --profile dev
+	$(CARGO) bench --profile dev --config 'profile.dev.opt-level=3'
 
 docs: setup
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --lib --examples

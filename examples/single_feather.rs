@@ -4,6 +4,7 @@ mod helper;
 
 use bevy::{
     asset::RenderAssetUsages,
+    light::NotShadowCaster,
     mesh::{Indices, PrimitiveTopology},
     prelude::*,
 };
@@ -26,7 +27,7 @@ fn main() {
             macro_: shot(middle, Vec3::new(0.0004, -0.0006, 0.005)),
             full: shot(middle, Vec3::new(0.0, 0.0, 0.85)),
             back: shot(middle, Vec3::new(-0.15, 0.05, -0.80)),
-            far: shot(middle, Vec3::new(1.0, 0.8, 8.0)),
+            far: shot(middle, Vec3::new(0.3, 0.2, 2.6)),
         })
         .add_systems(Startup, load)
         .add_systems(Update, spawn);
@@ -45,7 +46,24 @@ fn shot(target: Vec3, offset: Vec3) -> Framing {
 #[derive(Component)]
 struct Waiting(Handle<Feather>);
 
-fn load(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
+fn load(
+    mut commands: Commands,
+    assets: Res<AssetServer>,
+    args: Res<Args>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
+    // A dark cloth around: what shows between the barbules should not outshine them.
+    commands.spawn((
+        Mesh3d(meshes.add(Sphere::new(3.0))),
+        MeshMaterial3d(materials.add(StandardMaterial {
+            base_color: Color::srgb(0.10, 0.10, 0.11),
+            unlit: true,
+            cull_mode: None,
+            ..default()
+        })),
+        NotShadowCaster,
+    ));
     let feather = assets.load(format!("feathers/{}.feather.ron", args.feather));
     commands.spawn((Waiting(feather), Transform::IDENTITY, Visibility::default()));
 }
