@@ -57,7 +57,7 @@ fn load(
     commands.spawn((
         Mesh3d(meshes.add(Sphere::new(3.0))),
         MeshMaterial3d(materials.add(StandardMaterial {
-            base_color: Color::srgb(0.10, 0.10, 0.11),
+            base_color: Color::srgb(0.30, 0.29, 0.28),
             unlit: true,
             cull_mode: None,
             ..default()
@@ -89,6 +89,7 @@ fn spawn(
             ..default()
         };
         quality.settings.debug_view = args.view.into();
+        quality.settings.shelter = 0.0;
         commands.entity(entity).remove::<Waiting>().insert((
             Mesh3d(meshes.add(card_mesh(length, width))),
             quality,

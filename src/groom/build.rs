@@ -131,8 +131,9 @@ fn regions(
     let mut placed: Vec<Follicle> = Vec::new();
     let mut leaves = Vec::new();
     let room = layer_room(&groom.regions);
-    let counts = region_counts(groom, density);
-    let size = density.sqrt().recip();
+    let (counts, scale) = region_counts(groom, density);
+    // Fewer feathers are larger, so that they cover as much.
+    let size = scale.max(1.0e-3).sqrt().recip();
     let joint_gap = joint_gap(&bird.joint_places);
     for (number, region) in groom.regions.iter().enumerate() {
         let mask = &masks[number];
@@ -183,8 +184,9 @@ fn regions(
 }
 
 /// Feathers of each region. The bird as a whole has `density` times its number of feathers; rows keep theirs at any density (a
-/// wing has ten primaries), so that the regions take up the difference. Fractions go to the largest remainders.
-fn region_counts(groom: &Groom, density: f32) -> Vec<usize> {
+/// wing has ten primaries), so that the regions take up the difference: the second value is their own density. Fractions go to
+/// the largest remainders.
+fn region_counts(groom: &Groom, density: f32) -> (Vec<usize>, f32) {
     let scattered: f64 = groom
         .regions
         .iter()
@@ -215,7 +217,7 @@ fn region_counts(groom: &Groom, density: f32) -> Vec<usize> {
     for &number in order.iter().take(missing) {
         counts[number] += 1;
     }
-    counts
+    (counts, scale as f32)
 }
 
 /// Height, at each triangle, of the feathers of lower regions that grow there.

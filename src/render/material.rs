@@ -54,6 +54,9 @@ pub struct FeatherSettings {
     pub error_budget: f32,
     /// Strength of the light that reaches a feather through its neighbours, 0..1: scattered light between feathers (0.5).
     pub multiple_scattering: f32,
+    /// Share of the sky that the feathers above hide at a feather's root, 0..1 (0.55); falls to nothing towards the tip. 0 for a
+    /// feather on its own.
+    pub shelter: f32,
     /// Vary the alpha by a fixed pattern before it becomes MSAA samples, so that its mean is right.
     pub dither: bool,
     /// What is shown.
@@ -76,6 +79,7 @@ impl Default for FeatherSettings {
         Self {
             error_budget: 1.0 / 255.0,
             multiple_scattering: 0.5,
+            shelter: 0.55,
             dither: true,
             debug_view: DebugView::None,
         }
@@ -89,6 +93,8 @@ pub struct GpuFeatherSettings {
     pub threshold: f32,
     /// `FeatherSettings::multiple_scattering`.
     pub multiple_scattering: f32,
+    /// `FeatherSettings::shelter`.
+    pub shelter: f32,
     /// 1: dither.
     pub dither: u32,
     /// `DebugView` as a number.
@@ -100,6 +106,7 @@ impl From<&FeatherSettings> for GpuFeatherSettings {
         Self {
             threshold: settings.threshold(),
             multiple_scattering: settings.multiple_scattering.clamp(0.0, 1.0),
+            shelter: settings.shelter.clamp(0.0, 1.0),
             dither: u32::from(settings.dither),
             debug_view: settings.debug_view as u32,
         }

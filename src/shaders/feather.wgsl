@@ -213,7 +213,7 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
     let harmonics = select(8u, 3u, (in.card.w & 7u) == data::CARD_MEAN);
 
     // The part of the sky that the feathers above leave open grows towards the tip.
-    let open = mix(0.45, 1.0, smoothstep(0.05, 0.8, in.uv.y));
+    let open = 1.0 - settings.shelter * (1.0 - smoothstep(0.05, 0.8, in.uv.y));
     let reflected = reflect(-frame.eye, eye_side);
     let around = light::environment(seen, eye_side, reflected, 0.6);
     let behind = light::environment(seen, -eye_side, -frame.eye, 0.8);

@@ -6,6 +6,7 @@ struct FeatherSettings {
     // Of the chooser, from the error budget.
     threshold: f32,
     multiple_scattering: f32,
+    shelter: f32,
     dither: u32,
     debug_view: u32,
 }
