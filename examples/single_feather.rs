@@ -122,7 +122,7 @@ fn card(length: f32, width: f32) -> Card {
         feather: 0,
         region: 0,
         layer: 0.0,
-        tint: [0.014, 0.06, 0.34],
+        tint: [0.03, 0.12, 0.55],
         seed: 1,
         mirrored: false,
     }
