@@ -32,6 +32,11 @@ pub mod scattering;
 mod plugin;
 mod shaders;
 
+/// Compiles the code in the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 /// What an app needs.
 pub mod prelude {
     pub use crate::{

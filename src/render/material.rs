@@ -182,3 +182,60 @@ impl Material for FeatherMaterial {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_uniform_is_laid_out_as_the_shader_reads_it() {
+        let shader = include_str!("../shaders/feather_bindings.wgsl");
+        let start = shader.find("struct FeatherSettings").unwrap();
+        let end = start + shader[start..].find('}').unwrap() + 1;
+        let module = naga::front::wgsl::parse_str(&shader[start..end]).unwrap();
+        let mut layouter = naga::proc::Layouter::default();
+        layouter.update(module.to_ctx()).unwrap();
+        let (handle, settings) = module
+            .types
+            .iter()
+            .find(|(_, ty)| ty.name.as_deref() == Some("FeatherSettings"))
+            .unwrap();
+        assert_eq!(
+            u64::from(layouter[handle].size),
+            GpuFeatherSettings::min_size().get()
+        );
+        let naga::TypeInner::Struct { members, .. } = &settings.inner else {
+            panic!("not a struct");
+        };
+        let names: Vec<_> = members.iter().filter_map(|m| m.name.as_deref()).collect();
+        assert_eq!(
+            names,
+            [
+                "threshold",
+                "multiple_scattering",
+                "shelter",
+                "dither",
+                "debug_view"
+            ]
+        );
+        assert!(
+            members
+                .iter()
+                .enumerate()
+                .all(|(i, m)| m.offset == 4 * i as u32)
+        );
+    }
+
+    #[test]
+    fn settings_are_clamped() {
+        let odd = FeatherSettings {
+            error_budget: f32::INFINITY,
+            multiple_scattering: -1.0,
+            shelter: 7.0,
+            ..FeatherSettings::default()
+        };
+        let gpu = GpuFeatherSettings::from(&odd);
+        assert_eq!((gpu.multiple_scattering, gpu.shelter), (0.0, 1.0));
+        assert!(gpu.threshold.is_finite() && gpu.threshold > 0.0);
+    }
+}
