@@ -11,7 +11,7 @@
 //!
 //! Everything is generic over `f32` and `f64` and has a twin of the same name in `src/shaders/{math,masking,query}.wgsl`.
 //! The derivations, bounds and measurements are those of the range query study; equation numbers are those of
-//! Chen et al. 2026. [`reference`] judges the evaluators and shares no code with them.
+//! Chen et al. 2026. [`mod@reference`] judges the evaluators and shares no code with them.
 //!
 //! Conventions for the left vane (`x < 0`; the right one is its mirror image): barb normal `n_b = (cos a, sin a)`, barb
 //! direction `v_b = (-sin a, cos a)`, `s = n_b.x`, `t = v_b.x`; barb `k` leaves the rachis at `y = k / N_b`. In the gap above
