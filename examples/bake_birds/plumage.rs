@@ -106,13 +106,16 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
             d += near * (d - 2.0 * d.dot(out) * out);
         }
         Tract::Femoral => {
-            let (hip, knee) = (species.joint("femur_L"), species.joint("tibia_L"));
-            let mut along = (knee - hip).normalize();
-            along.x *= p.x.signum();
-            let w = ((parts.legs[0].1 - 0.35) / 0.5).clamp(0.0, 1.0);
-            d = along.lerp(Vec3::new(0.0, -1.0, -0.1), w);
+            // Down the thigh, and round the knee into the lay of the crus.
+            d = Vec3::new(0.0, -1.0, -0.25);
         }
-        Tract::Crural | Tract::Tarsal => d = Vec3::new(0.0, -0.9, -0.35),
+        Tract::Crural | Tract::Tarsal => {
+            let knee = if tract == Tract::Crural { "tibia_L" } else { "tarsus_L" };
+            let ankle = if tract == Tract::Crural { "tarsus_L" } else { "foot_L" };
+            let along = (species.joint(ankle) - species.joint(knee)).normalize();
+            d = along.lerp(Vec3::NEG_Y, 0.35);
+            d.x = 0.0;
+        }
         Tract::TailUpper | Tract::TailUnder => {
             let slope = species.tail[0].to_radians();
             d = Vec3::new(0.12 * side, -slope.sin(), -slope.cos());

@@ -76,6 +76,7 @@ const TRUNK: &[Tract] = &[
     TailUpper,
     TailUnder,
     ScapularMantle,
+    Side,
 ];
 const HEAD: (u8, u8) = (2, 2);
 const CONTOUR: (u8, u8) = (4, 2);
@@ -95,16 +96,17 @@ pub const MACAW: &[TractRow] = &[
     row("rump", &[Rump], "blue", 80, 8, (28., 42.), (18., 24.), (8., 8.), (0.08, 6.), (0.25, 320., CONTOUR), (0x5DA9DC, 0x5DA9DC)),
     row("scapulars", &[ScapularMantle], "contour", 56, 3, (45., 95.), (24., 32.), (7., 7.), (0.10, 8.), (0.25, 1200., CONTOUR), (0xC0301A, 0x4E7F2C)),
     row("breast", &[Breast], "contour", 160, 12, (30., 42.), (20., 25.), (10., 10.), (0.10, 18.), (0.25, 1500., CONTOUR), (0xC9271C, 0xC9271C)),
-    row("belly", &[Belly], "soft", 90, 0, (32., 44.), (20., 26.), (12., 12.), (0.10, 15.), (0.25, 420., CONTOUR), (0xB8221A, 0xB8221A)),
-    row("flanks", &[Flank], "soft", 190, 0, (36., 56.), (22., 30.), (12., 12.), (0.10, 15.), (0.25, 400., CONTOUR), (0xB8221A, 0xB8221A)),
+    row("belly", &[Belly], "soft", 90, 0, (32., 46.), (20., 26.), (7., 5.), (0.10, 22.), (0.05, 660., CONTOUR), (0xB8221A, 0xB8221A)),
+    row("flanks", &[Flank], "soft", 110, 0, (38., 54.), (22., 30.), (6., 5.), (0.10, 22.), (0.05, 640., CONTOUR), (0xB8221A, 0xB8221A)),
+    row("side", &[Side], "contour", 80, 0, (30., 36.), (20., 26.), (3., 3.), (0.06, 12.), (0., 620., CONTOUR), (0xC0241B, 0xB8221A)),
     row("vent", &[Vent], "soft", 46, 0, (28., 40.), (16., 22.), (12., 12.), (0.08, 10.), (0.25, 300., CONTOUR), (0xB8221A, 0x6BAFD8)),
     row("filler", TRUNK, "semiplume", 170, 0, (14., 22.), (14., 18.), (2., 2.), (0., 0.), (0., 0., LESSER), (0xB0584C, 0xB0584C)),
     row("lesser_upper", &[LesserUpper], "lesser", 640, 7, (14., 30.), (11., 16.), (8., 8.), (0.08, 14.), (0.5, 1000., LESSER), (0xC4231A, 0xC4231A)),
     row("marginal_upper", &[MarginalUpper], "lesser", 760, 0, (6., 15.), (5., 9.), (10., 10.), (0.10, 25.), (0.3, 1100., HEAD), (0xC4231A, 0xC4231A)),
     row("lesser_under", &[LesserUnder], "lesser", 500, 7, (13., 27.), (10., 15.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0xB03020, 0xB03020)),
     row("marginal_under", &[MarginalUnder], "lesser", 486, 0, (6., 13.), (5., 8.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0xB03020, 0xB03020)),
-    row("femoral", &[Femoral], "leg", 200, 0, (25., 38.), (14., 20.), (12., 12.), (0.10, 15.), (0.25, 600., CONTOUR), (0xB8221A, 0xB8221A)),
-    row("crural", &[Crural], "leg", 550, 0, (26., 14.), (13., 9.), (14., 14.), (0.08, 12.), (0.25, 500., LESSER), (0xB8221A, 0xA02A24)),
+    row("femoral", &[Femoral], "leg", 200, 0, (26., 34.), (14., 19.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0xB8221A, 0xB8221A)),
+    row("crural", &[Crural], "leg", 550, 0, (26., 15.), (13., 9.), (7., 6.), (0.08, 18.), (0.05, 500., LESSER), (0xB8221A, 0xA02A24)),
 ];
 
 /// Scattered tracts of the golden eagle.
@@ -121,17 +123,18 @@ pub const EAGLE: &[TractRow] = &[
     row("rump", &[Rump], "contour", 60, 6, (50., 80.), (30., 40.), (8., 8.), (0.08, 6.), (0.25, 320., CONTOUR), (0x5A4230, 0x5A4230)),
     row("scapulars", &[ScapularMantle], "contour", 52, 3, (70., 150.), (40., 60.), (6., 6.), (0.10, 8.), (0.25, 1200., (5, 2)), (0x42301F, 0x42301F)),
     row("breast", &[Breast], "contour", 140, 9, (50., 70.), (30., 38.), (10., 10.), (0.10, 18.), (0.25, 1500., CONTOUR), (0x4A3524, 0x4A3524)),
-    row("belly", &[Belly], "soft", 84, 0, (55., 75.), (34., 44.), (12., 12.), (0.10, 15.), (0.25, 420., CONTOUR), (0x4A3524, 0x4A3524)),
-    row("flanks", &[Flank], "soft", 140, 0, (60., 100.), (36., 48.), (12., 12.), (0.10, 15.), (0.25, 400., CONTOUR), (0x45321F, 0x45321F)),
+    row("belly", &[Belly], "soft", 84, 0, (55., 78.), (34., 44.), (7., 5.), (0.10, 22.), (0.05, 660., CONTOUR), (0x4A3524, 0x4A3524)),
+    row("flanks", &[Flank], "soft", 84, 0, (62., 92.), (36., 48.), (6., 5.), (0.10, 22.), (0.05, 640., CONTOUR), (0x45321F, 0x4C3724)),
+    row("side", &[Side], "contour", 56, 0, (55., 66.), (34., 42.), (3., 3.), (0.06, 12.), (0., 620., CONTOUR), (0x48331F, 0x45321F)),
     row("vent", &[Vent], "soft", 36, 0, (50., 80.), (28., 38.), (12., 12.), (0.08, 10.), (0.25, 300., CONTOUR), (0x6B4E35, 0x6B4E35)),
     row("filler", TRUNK, "semiplume", 60, 0, (26., 42.), (28., 36.), (2., 2.), (0., 0.), (0., 0., LESSER), (0x7A6650, 0x7A6650)),
     row("lesser_upper", &[LesserUpper], "lesser", 540, 7, (30., 62.), (22., 34.), (8., 8.), (0.08, 14.), (0.5, 1000., LESSER), (0x5A4230, 0x5A4230)),
     row("marginal_upper", &[MarginalUpper], "lesser", 660, 0, (10., 28.), (8., 16.), (10., 10.), (0.10, 25.), (0.3, 1100., HEAD), (0x6B4E33, 0x6B4E33)),
     row("lesser_under", &[LesserUnder], "lesser", 380, 6, (28., 58.), (22., 32.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0x4A3524, 0x4A3524)),
     row("marginal_under", &[MarginalUnder], "lesser", 454, 0, (10., 26.), (8., 15.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0x523B27, 0x523B27)),
-    row("femoral", &[Femoral], "trouser", 140, 0, (50., 80.), (26., 34.), (12., 12.), (0.10, 15.), (0.25, 600., CONTOUR), (0x54392A, 0x54392A)),
-    row("crural", &[Crural], "trouser", 540, 0, (75., 40.), (28., 20.), (14., 14.), (0.10, 14.), (0.25, 500., CONTOUR), (0x6E4F34, 0x8A6A4A)),
-    row("tarsal", &[Tarsal], "tarsal", 300, 0, (34., 20.), (20., 14.), (15., 15.), (0.06, 10.), (0.25, 480., LESSER), (0x9A7B58, 0x9A7B58)),
+    row("femoral", &[Femoral], "trouser", 140, 0, (50., 72.), (26., 34.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0x4E3627, 0x5C402C)),
+    row("crural", &[Crural], "trouser", 540, 0, (70., 42.), (27., 20.), (7., 6.), (0.10, 20.), (0.05, 500., CONTOUR), (0x5C402C, 0x8A6A4A)),
+    row("tarsal", &[Tarsal], "tarsal", 300, 0, (34., 20.), (20., 14.), (7., 6.), (0.06, 14.), (0.05, 480., LESSER), (0x9A7B58, 0x9A7B58)),
 ];
 
 /// Feather templates of a bird, in the order of their numbers.

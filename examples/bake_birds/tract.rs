@@ -34,6 +34,8 @@ pub enum Tract {
     CovertUnder = 23,
     /// Mantle below the scapulars, which overlap it.
     ScapularMantle = 24,
+    /// Side of the trunk below the folded wing.
+    Side = 25,
     /// Skin round the lore and chin that carries bristles (eagle).
     Lore = 26,
     /// Naked rim of the eye.
@@ -120,7 +122,16 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
             Tract::Vent
         };
     }
+    if arc > side(body) && theta < 108.0 {
+        return Tract::Side;
+    }
     Tract::Flank
+}
+
+/// Arc at which the flank, which covers the lower edge of the folded wing, gives way to the side below it.
+fn side(body: &Body) -> f32 {
+    let [vent, belly] = body.species.arcs.ventral;
+    0.5 * (vent + belly)
 }
 
 fn nearest_leg(body: &Body, parts: &Parts) -> usize {
@@ -220,9 +231,13 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         Tract::Breast => arc(mantle, belly),
         Tract::Belly => arc(belly, vent),
         Tract::Vent => arc(vent, tail),
-        Tract::Flank => arc(mantle, tail),
+        Tract::Flank => arc(belly, tail),
+        Tract::Side => arc(mantle, side(body)),
         Tract::TailUpper | Tract::TailUnder => arc(tail, -0.6 * tail),
-        Tract::Femoral => parts.legs[0].1,
+        Tract::Femoral => {
+            let low = s.joint("tibia_L").y - s.legs[0][1];
+            (arcs.leg_top - q.y) / (arcs.leg_top - low)
+        }
         Tract::Crural => parts.legs[1].1,
         Tract::Tarsal => parts.legs[2].1,
         Tract::MarginalUpper | Tract::MarginalUnder => c() / 0.25,
@@ -248,7 +263,7 @@ pub fn color(parrot: bool, tract: Tract) -> u32 {
             Back => 0xA8504A,
             CovertUpper => 0x8A7A30,
             LesserUnder | MarginalUnder | CovertUnder => 0xB03020,
-            Belly | Flank | Femoral | Crural => 0xB8221A,
+            Belly | Flank | Side | Femoral | Crural => 0xB8221A,
             _ => 0xC4241A,
         }
     } else {
