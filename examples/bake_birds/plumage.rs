@@ -125,7 +125,7 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
         | Tract::CovertUpper
         | Tract::LesserUnder
         | Tract::MarginalUnder
-        | Tract::CovertUnder => d = wing_lay(species, body, p),
+        | Tract::CovertUnder => d = wing_lay(species, body, tract, p),
         _ => {
             // Scapulars fan out over the folded wing.
             d.x += side
@@ -143,7 +143,7 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
 }
 
 /// On the wing the lay runs from the leading edge to the trailing one, turning with the remiges behind it.
-fn wing_lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
+fn wing_lay(species: &Species, body: &Body, tract: Tract, p: Vec3) -> Vec3 {
     let q = Vec3::new(p.x.abs(), p.y, p.z);
     let wing = &body.wing;
     let [shoulder, elbow, wrist, _, tip] = wing.points.map(|v| wing.flat(v));
@@ -166,7 +166,12 @@ fn wing_lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
     } else {
         across + (remex - across) * (0.35 + 0.65 * c)
     };
-    let d = wing.direction(azimuth.max(40.0 * reach.min(1.0)));
+    let mut d = wing.direction(azimuth.max(40.0 * reach.min(1.0)));
+    if tract == Tract::MarginalUpper {
+        // Round the leading edge from below.
+        let n = body.normal(q);
+        d = d * n.dot(wing.normal) - wing.normal * n.dot(d);
+    }
     Vec3::new(d.x * if p.x < 0.0 { -1.0 } else { 1.0 }, d.y, d.z)
 }
 

@@ -239,8 +239,8 @@ pub fn macaw() -> Species {
             azimuth: 100.,
             elbow: 26.,
             wrist: 28.,
-            roll: 80.,
-            push: 7.,
+            roll: 84.,
+            push: 6.,
             tuck: 2.2,
         },
         bind: WingPose {
@@ -350,8 +350,8 @@ pub fn eagle() -> Species {
             azimuth: 98.,
             elbow: 22.,
             wrist: 24.,
-            roll: 80.,
-            push: 10.,
+            roll: 85.,
+            push: 9.,
             tuck: 3.,
         },
         bind: WingPose {

@@ -122,7 +122,7 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
             Tract::Vent
         };
     }
-    if arc > side(body) && theta < 108.0 {
+    if arc > side(body) && theta < 100.0 {
         return Tract::Side;
     }
     Tract::Flank
@@ -165,9 +165,14 @@ fn lore(body: &Body, q: Vec3) -> bool {
     q.z > eye.z + 7.0 && q.y > eye.y - 16.0 && q.y < eye.y + 4.0 && q.x > 8.0
 }
 
+/// Chord share up to which the upper marginal coverts reach round the leading edge.
+const EDGE: f32 = 0.09;
+
 fn wing(body: &Body, q: Vec3) -> Tract {
     let c = body.wing.chord(q);
-    let upper = body.normal(q).dot(body.wing.normal) > 0.0;
+    // Marginal coverts wrap round the leading edge from below, so that no parting shows along it.
+    let facing = body.normal(q).dot(body.wing.normal);
+    let upper = facing > 0.0 || c < EDGE;
     // Behind the humerus no remiges stand: small coverts reach the trailing edge.
     let [shoulder, elbow, wrist, ..] = body.wing.points;
     let humerus = crate::body::cone(q, shoulder, elbow, [0.0, 0.0]);
@@ -240,7 +245,11 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         }
         Tract::Crural => parts.legs[1].1,
         Tract::Tarsal => parts.legs[2].1,
-        Tract::MarginalUpper | Tract::MarginalUnder => c() / 0.25,
+        Tract::MarginalUpper => {
+            let facing = body.normal(q).dot(body.wing.normal);
+            (c() * facing.signum() + EDGE) / (0.25 + EDGE)
+        }
+        Tract::MarginalUnder => (c() - EDGE) / (0.25 - EDGE),
         Tract::LesserUpper => (c() - 0.22) / 0.52,
         Tract::LesserUnder => (c() - 0.25) / 0.53,
         Tract::CovertUpper | Tract::CovertUnder => (c() - 0.74) / 0.26,
