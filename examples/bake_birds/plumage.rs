@@ -106,8 +106,9 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
             d += near * (d - 2.0 * d.dot(out) * out);
         }
         Tract::Femoral => {
-            // Down the thigh, and round the knee into the lay of the crus.
-            d = Vec3::new(0.0, -1.0, -0.25);
+            // Forward over the knee, down the thigh and into the lay of the crus.
+            let phi = tract::phi(body, tract, p);
+            d = Vec3::new(0.0, -1.0, 0.4 - 0.6 * phi);
         }
         Tract::Crural | Tract::Tarsal => {
             let knee = if tract == Tract::Crural { "tibia_L" } else { "tarsus_L" };

@@ -62,7 +62,11 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
         return Tract::EyeRing;
     }
     let core = parts.trunk.distance.min(parts.head.distance);
-    let leg = nearest_leg(body, &parts);
+    // The top of the knee belongs to the thigh: its feathers run down over it.
+    let leg = match nearest_leg(body, &parts) {
+        1 if q.y > s.joint("tibia_L").y - 0.4 * s.legs[0][1] => 0,
+        leg => leg,
+    };
     if parts.legs[leg].0 < core - 3.0 && parts.legs[leg].0 < parts.wing && q.y < arcs.leg_top {
         return [Tract::Femoral, Tract::Crural, Tract::Tarsal][leg];
     }

@@ -7,7 +7,7 @@ use super::{
 use bevy::math::{Quat, Vec3};
 
 /// Largest turn of the skin below one stiff feather that it follows, degrees; beyond it runs straight on. A soft one follows
-/// half as far again.
+/// twice as far.
 const FOLLOW_CONVEX: f32 = 80.0;
 /// The same where the skin rises against the feather (axilla, chin).
 const FOLLOW_CONCAVE: f32 = 50.0;
@@ -139,6 +139,7 @@ fn trace(
     let parts = 8_usize.div_ceil(segments);
     let stride = shape.length / (segments * parts) as f32;
     let (mut convex, mut concave) = (0.0, 0.0);
+    let supple = 2.0 - shape.stiffness.clamp(0.0, 1.0);
     for _ in 0..segments {
         for _ in 0..parts {
             let target = step.position + step.along * stride;
@@ -157,8 +158,8 @@ fn trace(
             }
             // Past an edge or a fold of the skin the feather goes straight on.
             if position.distance(target) > 0.6 * stride
-                || convex > FOLLOW_CONVEX * (1.5 - 0.5 * shape.stiffness.clamp(0.0, 1.0))
-                || concave > FOLLOW_CONCAVE
+                || convex > FOLLOW_CONVEX * supple
+                || concave > FOLLOW_CONCAVE * supple
             {
                 step.on_skin = false;
                 step.position = target;
