@@ -124,6 +124,7 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
         Tract::LesserUpper
         | Tract::MarginalUpper
         | Tract::CovertUpper
+        | Tract::Elbow
         | Tract::LesserUnder
         | Tract::MarginalUnder
         | Tract::CovertUnder => d = wing_lay(species, body, tract, p),

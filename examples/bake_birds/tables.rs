@@ -85,7 +85,7 @@ const LESSER: (u8, u8) = (3, 2);
 /// Scattered tracts of the macaw.
 #[rustfmt::skip]
 pub const MACAW: &[TractRow] = &[
-    row("crown", &[Crown], "head", 420, 0, (8., 12.), (4.5, 6.), (10., 6.), (0.05, 10.), (0.1, 1800., HEAD), (0xC9241B, 0xC9241B)),
+    row("crown", &[Crown], "head", 420, 0, (8., 17.), (4.5, 7.), (10., 6.), (0.05, 10.), (0.1, 1800., HEAD), (0xC9241B, 0xC9241B)),
     row("nape", &[Nape], "head", 180, 0, (16., 24.), (8., 10.), (8., 8.), (0.06, 15.), (0.1, 1700., HEAD), (0xC9241B, 0xC9241B)),
     row("cheek", &[Cheek], "head", 500, 0, (8., 20.), (5.5, 8.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0xC2221A, 0xC2221A)),
     row("face_lines", &[Bare], "face_line", 160, 5, (2., 4.), (1.2, 2.), (20., 20.), (0., 0.), (0.1, 1950., HEAD), (0xF1E4D8, 0xF1E4D8)),
@@ -102,8 +102,8 @@ pub const MACAW: &[TractRow] = &[
     row("vent", &[Vent], "soft", 46, 0, (28., 40.), (16., 22.), (12., 12.), (0.08, 10.), (0.25, 300., CONTOUR), (0xB8221A, 0x6BAFD8)),
     row("filler", TRUNK, "semiplume", 170, 0, (14., 22.), (14., 18.), (2., 2.), (0., 0.), (0., 0., LESSER), (0xB0584C, 0xB0584C)),
     row("lesser_upper", &[LesserUpper], "lesser", 640, 7, (14., 30.), (11., 16.), (8., 8.), (0.08, 14.), (0.5, 1000., LESSER), (0xC4231A, 0xC4231A)),
-    row("elbow", &[CovertUpper], "lesser", 70, 0, (26., 34.), (15., 20.), (5., 4.), (0.08, 14.), (0.2, 960., LESSER), (0xE0A81A, 0xE0A81A)),
-    row("marginal_upper", &[MarginalUpper], "lesser", 730, 0, (7., 15.), (5., 9.), (10., 10.), (0.10, 25.), (0.3, 1100., HEAD), (0xC4231A, 0xC4231A)),
+    row("elbow", &[Elbow], "lesser", 30, 0, (26., 34.), (15., 20.), (5., 4.), (0.08, 14.), (0.2, 960., LESSER), (0xE0A81A, 0xE0A81A)),
+    row("marginal_upper", &[MarginalUpper], "lesser", 770, 0, (7., 15.), (5., 9.), (10., 10.), (0.10, 25.), (0.3, 1100., HEAD), (0xC4231A, 0xC4231A)),
     row("lesser_under", &[LesserUnder], "lesser", 500, 7, (13., 27.), (10., 15.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0xB03020, 0xB03020)),
     row("marginal_under", &[MarginalUnder], "lesser", 446, 0, (6., 13.), (5., 8.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0xB03020, 0xB03020)),
     row("femoral", &[Femoral], "leg", 200, 0, (26., 34.), (14., 19.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0xB8221A, 0xB8221A)),
@@ -113,9 +113,9 @@ pub const MACAW: &[TractRow] = &[
 /// Scattered tracts of the golden eagle.
 #[rustfmt::skip]
 pub const EAGLE: &[TractRow] = &[
-    row("crown", &[Crown], "head", 480, 0, (12., 18.), (6., 8.), (10., 7.), (0.06, 10.), (0.1, 1800., HEAD), (0x8B6239, 0xB07C46)),
+    row("crown", &[Crown], "head", 480, 0, (12., 26.), (6., 9.), (10., 7.), (0.06, 10.), (0.1, 1800., HEAD), (0x8B6239, 0xB07C46)),
     row("nape", &[Nape], "hackle", 150, 0, (35., 60.), (10., 14.), (9., 9.), (0.12, 10.), (0.15, 1700., CONTOUR), (0xC4924F, 0xC4924F)),
-    row("face", &[Cheek, Lore], "head", 990, 0, (8., 22.), (5.5, 8.5), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0x5E4229, 0x5E4229)),
+    row("face", &[Cheek, Lore], "head", 990, 0, (8., 24.), (5.5, 9.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0x5E4229, 0x7E5C38)),
     row("lore", &[Lore], "bristle", 70, 0, (6., 12.), (1., 1.5), (25., 25.), (0., 0.), (0.5, 1950., (2, 1)), (0x3A2A1C, 0x3A2A1C)),
     row("neck_dorsal", &[NeckDorsal], "hackle", 250, 0, (40., 60.), (13., 16.), (9., 9.), (0.12, 12.), (0.2, 1600., CONTOUR), (0xB98548, 0x7A5632)),
     row("neck_ventral", &[NeckVentral], "contour", 300, 0, (26., 48.), (14., 21.), (9., 9.), (0.08, 14.), (0.2, 1600., CONTOUR), (0x5E4229, 0x5A4029)),
@@ -130,8 +130,8 @@ pub const EAGLE: &[TractRow] = &[
     row("vent", &[Vent], "soft", 36, 0, (50., 80.), (28., 38.), (12., 12.), (0.08, 10.), (0.25, 300., CONTOUR), (0x6B4E35, 0x6B4E35)),
     row("filler", TRUNK, "semiplume", 60, 0, (26., 42.), (28., 36.), (2., 2.), (0., 0.), (0., 0., LESSER), (0x7A6650, 0x7A6650)),
     row("lesser_upper", &[LesserUpper], "lesser", 540, 7, (30., 62.), (22., 34.), (8., 8.), (0.08, 14.), (0.5, 1000., LESSER), (0x5A4230, 0x5A4230)),
-    row("elbow", &[CovertUpper], "lesser", 70, 0, (52., 66.), (30., 38.), (5., 4.), (0.08, 14.), (0.2, 960., LESSER), (0x5A4230, 0x6A5038)),
-    row("marginal_upper", &[MarginalUpper], "lesser", 640, 0, (13., 28.), (10., 16.), (10., 10.), (0.10, 25.), (0.3, 1100., HEAD), (0x6B4E33, 0x6B4E33)),
+    row("elbow", &[Elbow], "lesser", 30, 0, (52., 66.), (30., 38.), (5., 4.), (0.08, 14.), (0.2, 960., LESSER), (0x5A4230, 0x6A5038)),
+    row("marginal_upper", &[MarginalUpper], "lesser", 680, 0, (13., 28.), (10., 16.), (10., 10.), (0.10, 25.), (0.3, 1100., HEAD), (0x6B4E33, 0x6B4E33)),
     row("lesser_under", &[LesserUnder], "lesser", 380, 6, (28., 58.), (22., 32.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0x4A3524, 0x4A3524)),
     row("marginal_under", &[MarginalUnder], "lesser", 404, 0, (10., 26.), (8., 15.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0x523B27, 0x523B27)),
     row("femoral", &[Femoral], "trouser", 140, 0, (50., 72.), (26., 34.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0x4E3627, 0x5C402C)),

@@ -40,6 +40,8 @@ pub enum Tract {
     Lore = 26,
     /// Naked rim of the eye.
     EyeRing = 27,
+    /// Upper side of the elbow, where no row of coverts stands.
+    Elbow = 28,
 }
 
 /// Tract at a point of the skin.
@@ -204,6 +206,7 @@ fn wing(body: &Body, q: Vec3) -> Tract {
             {
                 Tract::LesserUpper
             }
+            _ if facing > 0.4 && q.distance(elbow) < 0.42 * wrist.distance(elbow) => Tract::Elbow,
             _ => Tract::CovertUpper,
         }
     } else {
@@ -232,7 +235,12 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         Tract::Bare | Tract::Lore | Tract::EyeRing => (front - q.z) / 40.0,
         Tract::Crown => (front - q.z) / (front - joint - arcs.nape),
         Tract::Nape => (joint + arcs.nape - q.z) / 34.0 / s.scale.sqrt(),
-        Tract::Cheek => (front - q.z) / (front - s.head[0][0]),
+        Tract::Cheek => {
+            // Longest where it overhangs the neck, below as well as behind.
+            let low = (q.y - arcs.head_plane) / (1.1 * (s.joint("eye_L").y - arcs.head_plane));
+            let behind = (q.z - joint - arcs.nape) / (front - joint - arcs.nape);
+            1.0 - low.min(behind)
+        }
         Tract::NeckDorsal | Tract::NeckVentral => arc(neck_end, mantle),
         Tract::Mantle | Tract::ScapularMantle => arc(mantle, back),
         Tract::Back => arc(back, rump),
@@ -256,7 +264,7 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         Tract::MarginalUnder => (c() - EDGE) / (0.25 - EDGE),
         Tract::LesserUpper => (c() - 0.22) / 0.52,
         Tract::LesserUnder => (c() - 0.25) / 0.53,
-        Tract::CovertUpper | Tract::CovertUnder => (c() - 0.74) / 0.26,
+        Tract::CovertUpper | Tract::CovertUnder | Tract::Elbow => (c() - 0.74) / 0.26,
     };
     if value.is_finite() {
         value.clamp(0.0, 1.0)
@@ -274,7 +282,7 @@ pub fn color(parrot: bool, tract: Tract) -> u32 {
             Rump | TailUpper | TailUnder => 0x5DA9DC,
             Vent => 0x9A5A6A,
             Back => 0xA8504A,
-            CovertUpper => 0x8A7A30,
+            CovertUpper | Elbow => 0x8A7A30,
             LesserUnder | MarginalUnder | CovertUnder => 0xB03020,
             Belly | Flank | Side | Femoral | Crural => 0xB8221A,
             _ => 0xC4241A,
@@ -292,7 +300,7 @@ pub fn color(parrot: bool, tract: Tract) -> u32 {
             Femoral => 0x54392A,
             Crural => 0x7A5A3E,
             Tarsal => 0x9A7B58,
-            LesserUpper | MarginalUpper | CovertUpper => 0x5E462F,
+            LesserUpper | MarginalUpper | CovertUpper | Elbow => 0x5E462F,
             LesserUnder | MarginalUnder | CovertUnder => 0x4C3725,
             _ => 0x46321F,
         }
