@@ -149,6 +149,7 @@ struct Triangle {
     corners: [Vec3; 3],
     uv: Option<[Vec2; 3]>,
     color: Vec3,
+    tract: u32,
 }
 
 fn collect(world: &mut World, by_layer: bool) -> Vec<Triangle> {
@@ -251,7 +252,13 @@ fn collect(world: &mut World, by_layer: bool) -> Vec<Triangle> {
                     },
                 ),
             };
-            out.push(Triangle { corners, uv, color });
+            let tract = ids.map_or(0, |ids| ids[t[0]][0] as u32);
+            out.push(Triangle {
+                corners,
+                uv,
+                color,
+                tract,
+            });
         }
     }
     out
@@ -290,6 +297,7 @@ fn draw(triangles: &[Triangle], args: &Args) {
         let mut color = vec![Vec3::splat(0.8); size * size];
         let (mut body, mut bare, mut back) = (0, 0, 0);
         let mut kind = vec![0_u8; size * size];
+        let mut tracts = vec![0_u32; size * size];
         for triangle in triangles {
             let project = |p: Vec3| {
                 let d = p - center;
@@ -343,6 +351,7 @@ fn draw(triangles: &[Triangle], args: &Args) {
                     }
                     depth[at] = z;
                     color[at] = triangle.color * shade;
+                    tracts[at] = triangle.tract;
                     kind[at] = match triangle.uv {
                         None => 1 + u8::from(triangle.color.x == 0.0),
                         Some(_) => 3 + u8::from(facing < 0.0),
@@ -350,13 +359,17 @@ fn draw(triangles: &[Triangle], args: &Args) {
                 }
             }
         }
-        for k in kind {
+        let mut bald = std::collections::BTreeMap::<u32, u32>::new();
+        for (k, tract) in kind.iter().copied().zip(&tracts) {
+            if k == 2 {
+                *bald.entry(*tract).or_default() += 1;
+            }
             body += u32::from(k > 0);
             bare += u32::from(k == 2);
             back += u32::from(k == 4);
         }
         println!(
-            "view {number}: bare {:.2} %, seen from behind {:.2} %",
+            "view {number}: bare {:.2} %, seen from behind {:.2} %; bare pixels by tract {bald:?}",
             100.0 * bare as f32 / body as f32,
             100.0 * back as f32 / body as f32
         );

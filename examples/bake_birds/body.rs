@@ -58,6 +58,8 @@ pub struct Body<'a> {
     /// Bind frame of the left wing.
     pub wing: WingPlane,
     joints: [Vec3; 4],
+    /// Folded wrist.
+    wrist: Vec3,
 }
 
 impl<'a> Body<'a> {
@@ -68,6 +70,7 @@ impl<'a> Body<'a> {
             trunk: Trunk::new(species),
             head: Head::new(species),
             wing: WingPlane::bind(species),
+            wrist: WingPlane::new(species, species.fold).points[2],
             joints: ["femur_L", "tibia_L", "tarsus_L", "foot_L"].map(|n| species.joint(n)),
         }
     }
@@ -121,10 +124,24 @@ impl<'a> Body<'a> {
             );
             d = smooth_min(d, ridge.0, 7.0);
         }
-        d = smooth_min(d, smooth_min(parts.legs[0].0, parts.legs[1].0, k), 1.4 * k);
+        // The plumage of thigh and belly runs on without a crease.
+        d = smooth_min(d, smooth_min(parts.legs[0].0, parts.legs[1].0, 1.6 * k), 3.0 * k);
         if self.species.feathered_tarsus {
             d = smooth_min(d, parts.legs[2].0, k_tarsus);
         }
+        // The feathers of the breast's sides swell round the folded wrist.
+        let (s, forward) = if self.species.is_parrot() {
+            (1.0, 6.0)
+        } else {
+            (1.9, -5.0)
+        };
+        let swell = cone(
+            p,
+            self.wrist + Vec3::new(-10.0, 12.0, forward) * s,
+            self.wrist + Vec3::new(-16.0, -30.0, forward) * s,
+            [13.0 * s, 8.0 * s],
+        );
+        d = smooth_min(d, swell.0, 20.0 * s);
         smooth_min(d, parts.wing, k_wing)
     }
 

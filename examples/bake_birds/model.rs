@@ -56,7 +56,7 @@ pub fn build(species: &Species) -> Model {
             *split.entry((i, tract)).or_insert_with(|| {
                 let p = surface.points[i as usize];
                 let naked = matches!(tract, Tract::Bare | Tract::EyeRing);
-                let dark = if naked { 1.0 } else { 0.6 };
+                let dark = if naked { 1.0 } else { 0.4 };
                 let shade = linear(tract::color(species.is_parrot(), tract))
                     .map(|c: f32| c * srgb_factor(dark));
                 let phi = tract::phi(&body, tract, p);

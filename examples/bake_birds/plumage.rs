@@ -106,13 +106,17 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
             d += near * (d - 2.0 * d.dot(out) * out);
         }
         Tract::Femoral => {
-            let (hip, knee) = (species.joint("femur_L"), species.joint("tibia_L"));
-            let mut along = (knee - hip).normalize();
-            along.x *= p.x.signum();
-            let w = ((parts.legs[0].1 - 0.35) / 0.5).clamp(0.0, 1.0);
-            d = along.lerp(Vec3::new(0.0, -1.0, -0.1), w);
+            // Forward over the knee, down the thigh and into the lay of the crus.
+            let phi = tract::phi(body, tract, p);
+            d = Vec3::new(0.0, -1.0, 0.4 - 0.6 * phi);
         }
-        Tract::Crural | Tract::Tarsal => d = Vec3::new(0.0, -0.9, -0.35),
+        Tract::Crural | Tract::Tarsal => {
+            let knee = if tract == Tract::Crural { "tibia_L" } else { "tarsus_L" };
+            let ankle = if tract == Tract::Crural { "tarsus_L" } else { "foot_L" };
+            let along = (species.joint(ankle) - species.joint(knee)).normalize();
+            d = along.lerp(Vec3::NEG_Y, 0.35);
+            d.x = 0.0;
+        }
         Tract::TailUpper | Tract::TailUnder => {
             let slope = species.tail[0].to_radians();
             d = Vec3::new(0.12 * side, -slope.sin(), -slope.cos());
@@ -120,9 +124,10 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
         Tract::LesserUpper
         | Tract::MarginalUpper
         | Tract::CovertUpper
+        | Tract::Elbow
         | Tract::LesserUnder
         | Tract::MarginalUnder
-        | Tract::CovertUnder => d = wing_lay(species, body, p),
+        | Tract::CovertUnder => d = wing_lay(species, body, tract, p),
         _ => {
             // Scapulars fan out over the folded wing.
             d.x += side
@@ -140,7 +145,7 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
 }
 
 /// On the wing the lay runs from the leading edge to the trailing one, turning with the remiges behind it.
-fn wing_lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
+fn wing_lay(species: &Species, body: &Body, tract: Tract, p: Vec3) -> Vec3 {
     let q = Vec3::new(p.x.abs(), p.y, p.z);
     let wing = &body.wing;
     let [shoulder, elbow, wrist, _, tip] = wing.points.map(|v| wing.flat(v));
@@ -163,7 +168,12 @@ fn wing_lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
     } else {
         across + (remex - across) * (0.35 + 0.65 * c)
     };
-    let d = wing.direction(azimuth.max(40.0 * reach.min(1.0)));
+    let mut d = wing.direction(azimuth.max(40.0 * reach.min(1.0)));
+    if tract == Tract::MarginalUpper {
+        // Round the leading edge from below.
+        let n = body.normal(q);
+        d = d * n.dot(wing.normal) - wing.normal * n.dot(d);
+    }
     Vec3::new(d.x * if p.x < 0.0 { -1.0 } else { 1.0 }, d.y, d.z)
 }
 

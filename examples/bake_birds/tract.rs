@@ -34,10 +34,14 @@ pub enum Tract {
     CovertUnder = 23,
     /// Mantle below the scapulars, which overlap it.
     ScapularMantle = 24,
+    /// Side of the trunk below the folded wing.
+    Side = 25,
     /// Skin round the lore and chin that carries bristles (eagle).
     Lore = 26,
     /// Naked rim of the eye.
     EyeRing = 27,
+    /// Upper side of the elbow, where no row of coverts stands.
+    Elbow = 28,
 }
 
 /// Tract at a point of the skin.
@@ -60,7 +64,11 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
         return Tract::EyeRing;
     }
     let core = parts.trunk.distance.min(parts.head.distance);
-    let leg = nearest_leg(body, &parts);
+    // The top of the knee belongs to the thigh: its feathers run down over it.
+    let leg = match nearest_leg(body, &parts) {
+        1 if q.y > s.joint("tibia_L").y - 0.4 * s.legs[0][1] => 0,
+        leg => leg,
+    };
     if parts.legs[leg].0 < core - 3.0 && parts.legs[leg].0 < parts.wing && q.y < arcs.leg_top {
         return [Tract::Femoral, Tract::Crural, Tract::Tarsal][leg];
     }
@@ -120,7 +128,16 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
             Tract::Vent
         };
     }
+    if arc > side(body) && theta < 100.0 {
+        return Tract::Side;
+    }
     Tract::Flank
+}
+
+/// Arc at which the flank, which covers the lower edge of the folded wing, gives way to the side below it.
+fn side(body: &Body) -> f32 {
+    let [vent, belly] = body.species.arcs.ventral;
+    0.5 * (vent + belly)
 }
 
 fn nearest_leg(body: &Body, parts: &Parts) -> usize {
@@ -154,9 +171,14 @@ fn lore(body: &Body, q: Vec3) -> bool {
     q.z > eye.z + 7.0 && q.y > eye.y - 16.0 && q.y < eye.y + 4.0 && q.x > 8.0
 }
 
+/// Chord share up to which the upper marginal coverts reach round the leading edge.
+const EDGE: f32 = 0.09;
+
 fn wing(body: &Body, q: Vec3) -> Tract {
     let c = body.wing.chord(q);
-    let upper = body.normal(q).dot(body.wing.normal) > 0.0;
+    // Marginal coverts wrap round the leading edge from below, so that no parting shows along it.
+    let facing = body.normal(q).dot(body.wing.normal);
+    let upper = facing > 0.0 || c < EDGE;
     // Behind the humerus no remiges stand: small coverts reach the trailing edge.
     let [shoulder, elbow, wrist, ..] = body.wing.points;
     let humerus = crate::body::cone(q, shoulder, elbow, [0.0, 0.0]);
@@ -184,6 +206,7 @@ fn wing(body: &Body, q: Vec3) -> Tract {
             {
                 Tract::LesserUpper
             }
+            _ if facing > 0.4 && q.distance(elbow) < 0.42 * wrist.distance(elbow) => Tract::Elbow,
             _ => Tract::CovertUpper,
         }
     } else {
@@ -212,7 +235,12 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         Tract::Bare | Tract::Lore | Tract::EyeRing => (front - q.z) / 40.0,
         Tract::Crown => (front - q.z) / (front - joint - arcs.nape),
         Tract::Nape => (joint + arcs.nape - q.z) / 34.0 / s.scale.sqrt(),
-        Tract::Cheek => (front - q.z) / (front - s.head[0][0]),
+        Tract::Cheek => {
+            // Longest where it overhangs the neck, below as well as behind.
+            let low = (q.y - arcs.head_plane) / (1.1 * (s.joint("eye_L").y - arcs.head_plane));
+            let behind = (q.z - joint - arcs.nape) / (front - joint - arcs.nape);
+            1.0 - low.min(behind)
+        }
         Tract::NeckDorsal | Tract::NeckVentral => arc(neck_end, mantle),
         Tract::Mantle | Tract::ScapularMantle => arc(mantle, back),
         Tract::Back => arc(back, rump),
@@ -220,15 +248,23 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         Tract::Breast => arc(mantle, belly),
         Tract::Belly => arc(belly, vent),
         Tract::Vent => arc(vent, tail),
-        Tract::Flank => arc(mantle, tail),
+        Tract::Flank => arc(belly, tail),
+        Tract::Side => arc(mantle, side(body)),
         Tract::TailUpper | Tract::TailUnder => arc(tail, -0.6 * tail),
-        Tract::Femoral => parts.legs[0].1,
+        Tract::Femoral => {
+            let low = s.joint("tibia_L").y - s.legs[0][1];
+            (arcs.leg_top - q.y) / (arcs.leg_top - low)
+        }
         Tract::Crural => parts.legs[1].1,
         Tract::Tarsal => parts.legs[2].1,
-        Tract::MarginalUpper | Tract::MarginalUnder => c() / 0.25,
+        Tract::MarginalUpper => {
+            let facing = body.normal(q).dot(body.wing.normal);
+            (c() * facing.signum() + EDGE) / (0.25 + EDGE)
+        }
+        Tract::MarginalUnder => (c() - EDGE) / (0.25 - EDGE),
         Tract::LesserUpper => (c() - 0.22) / 0.52,
         Tract::LesserUnder => (c() - 0.25) / 0.53,
-        Tract::CovertUpper | Tract::CovertUnder => (c() - 0.74) / 0.26,
+        Tract::CovertUpper | Tract::CovertUnder | Tract::Elbow => (c() - 0.74) / 0.26,
     };
     if value.is_finite() {
         value.clamp(0.0, 1.0)
@@ -246,9 +282,9 @@ pub fn color(parrot: bool, tract: Tract) -> u32 {
             Rump | TailUpper | TailUnder => 0x5DA9DC,
             Vent => 0x9A5A6A,
             Back => 0xA8504A,
-            CovertUpper => 0x8A7A30,
+            CovertUpper | Elbow => 0x8A7A30,
             LesserUnder | MarginalUnder | CovertUnder => 0xB03020,
-            Belly | Flank | Femoral | Crural => 0xB8221A,
+            Belly | Flank | Side | Femoral | Crural => 0xB8221A,
             _ => 0xC4241A,
         }
     } else {
@@ -264,7 +300,7 @@ pub fn color(parrot: bool, tract: Tract) -> u32 {
             Femoral => 0x54392A,
             Crural => 0x7A5A3E,
             Tarsal => 0x9A7B58,
-            LesserUpper | MarginalUpper | CovertUpper => 0x5E462F,
+            LesserUpper | MarginalUpper | CovertUpper | Elbow => 0x5E462F,
             LesserUnder | MarginalUnder | CovertUnder => 0x4C3725,
             _ => 0x46321F,
         }

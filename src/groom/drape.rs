@@ -6,7 +6,8 @@ use super::{
 };
 use bevy::math::{Quat, Vec3};
 
-/// Largest turn of the skin below one feather that it follows, degrees; beyond it runs straight on.
+/// Largest turn of the skin below one stiff feather that it follows, degrees; beyond it runs straight on. A soft one follows
+/// twice as far.
 const FOLLOW_CONVEX: f32 = 80.0;
 /// The same where the skin rises against the feather (axilla, chin).
 const FOLLOW_CONCAVE: f32 = 50.0;
@@ -138,6 +139,7 @@ fn trace(
     let parts = 8_usize.div_ceil(segments);
     let stride = shape.length / (segments * parts) as f32;
     let (mut convex, mut concave) = (0.0, 0.0);
+    let supple = 2.0 - shape.stiffness.clamp(0.0, 1.0);
     for _ in 0..segments {
         for _ in 0..parts {
             let target = step.position + step.along * stride;
@@ -156,8 +158,8 @@ fn trace(
             }
             // Past an edge or a fold of the skin the feather goes straight on.
             if position.distance(target) > 0.6 * stride
-                || convex > FOLLOW_CONVEX
-                || concave > FOLLOW_CONCAVE
+                || convex > FOLLOW_CONVEX * supple
+                || concave > FOLLOW_CONCAVE * supple
             {
                 step.on_skin = false;
                 step.position = target;
@@ -180,12 +182,13 @@ fn trace(
     list
 }
 
-/// Points at equal arc length that follow the target and bend towards the body no tighter than 2.5 widths, nor back on
+/// Points at equal arc length that follow the target and bend no tighter than one width (soft) to 2.5 widths (stiff), nor back on
 /// themselves.
 fn even(target: &[Vec3], shape: &Shape, normal: Vec3) -> Vec<Vec3> {
     let segments = target.len() - 1;
     let stride = shape.length / segments as f32;
-    let most = (stride / (2.5 * shape.width).max(f32::MIN_POSITIVE)).clamp(0.02, 0.7);
+    let tightest = shape.width * (1.0 + 6.0 * shape.stiffness.clamp(0.0, 0.25));
+    let most = (stride / tightest.max(f32::MIN_POSITIVE)).clamp(0.02, 0.7);
     let mut points = vec![target[0]];
     let mut before: Option<Vec3> = None;
     let mut position = target[0];
