@@ -13,7 +13,7 @@ fn main() {
     helper::run("parrot", |app| {
         app.insert_resource(Shots {
             hero: Framing {
-                target: Vec3::new(0.0, -0.02, -0.08),
+                target: Vec3::new(0.0, -0.012, -0.08),
                 eye: Vec3::new(1.75, 0.48, 1.75),
                 fov: 17.5,
             },

@@ -52,12 +52,12 @@ impl Sky {
             EnvironmentMapLight {
                 diffuse_map: self.diffuse.clone(),
                 specular_map: self.specular.clone(),
-                intensity: 3000.0,
+                intensity: 2100.0,
                 ..default()
             },
             Skybox {
                 image: Some(self.specular.clone()),
-                brightness: 3000.0,
+                brightness: 2600.0,
                 ..default()
             },
         )
@@ -67,7 +67,7 @@ impl Sky {
 fn spawn_light(mut commands: Commands) {
     commands.spawn((
         DirectionalLight {
-            illuminance: 11_000.0,
+            illuminance: 23_000.0,
             color: Color::srgb(1.0, 0.95, 0.87),
             shadow_maps_enabled: true,
             shadow_normal_bias: 0.6,
@@ -80,7 +80,7 @@ fn spawn_light(mut commands: Commands) {
             ..default()
         }
         .build(),
-        Transform::from_xyz(1.6, 2.4, 1.4).looking_at(Vec3::ZERO, Vec3::Y),
+        Transform::from_xyz(0.7, 1.9, 1.9).looking_at(Vec3::ZERO, Vec3::Y),
     ));
 }
 

@@ -11,9 +11,9 @@ use bevy::{
 /// Radiance of the sky, relative units: blue above, a bright hazy horizon, a warm ground, a soft window of light.
 pub fn radiance(direction: Vec3) -> Vec3 {
     let up = direction.y;
-    let zenith = Vec3::new(0.36, 0.52, 0.80);
-    let horizon = Vec3::new(0.84, 0.91, 0.95);
-    let ground = Vec3::new(0.30, 0.36, 0.26);
+    let zenith = Vec3::new(0.22, 0.42, 0.78);
+    let horizon = Vec3::new(0.62, 0.78, 0.90);
+    let ground = Vec3::new(0.16, 0.24, 0.13);
     // The horizon is far and hazy: no line.
     let base = if up >= 0.0 {
         horizon.lerp(zenith, up.powf(0.7))
@@ -22,7 +22,7 @@ pub fn radiance(direction: Vec3) -> Vec3 {
     };
     let window = Vec3::new(-0.7, 0.45, 0.55).normalize();
     let glow = ((direction.dot(window) - 0.72) / 0.2).clamp(0.0, 1.0);
-    base + Vec3::new(1.6, 1.5, 1.35) * glow * glow
+    base + Vec3::new(1.2, 1.1, 0.95) * glow * glow
 }
 
 fn texel(face: usize, x: u32, y: u32, size: u32) -> Vec3 {
