@@ -185,12 +185,28 @@ fn regions(
 /// Feathers of each region. The bird as a whole has `density` times its number of feathers; rows keep theirs at any density (a
 /// wing has ten primaries), so that the regions take up the difference. Fractions go to the largest remainders.
 fn region_counts(groom: &Groom, density: f32) -> Vec<usize> {
-    let scattered: f64 = groom.regions.iter().map(|region| f64::from(region.count)).sum();
+    let scattered: f64 = groom
+        .regions
+        .iter()
+        .map(|region| f64::from(region.count))
+        .sum();
     let sides = |row: &Row| if row.mirror { 2 } else { 1 };
-    let in_rows = groom.rows.iter().map(|row| (row.lengths.len() * sides(row)) as f64).sum::<f64>();
+    let in_rows = groom
+        .rows
+        .iter()
+        .map(|row| (row.lengths.len() * sides(row)) as f64)
+        .sum::<f64>();
     let wanted = ((scattered + in_rows) * f64::from(density)).round();
-    let scale = if scattered > 0.0 { (wanted - in_rows).max(0.0) / scattered } else { 0.0 };
-    let exact: Vec<f64> = groom.regions.iter().map(|region| f64::from(region.count) * scale).collect();
+    let scale = if scattered > 0.0 {
+        (wanted - in_rows).max(0.0) / scattered
+    } else {
+        0.0
+    };
+    let exact: Vec<f64> = groom
+        .regions
+        .iter()
+        .map(|region| f64::from(region.count) * scale)
+        .collect();
     let mut counts: Vec<usize> = exact.iter().map(|count| count.floor() as usize).collect();
     let total = exact.iter().sum::<f64>().round() as usize;
     let missing = total.saturating_sub(counts.iter().sum());

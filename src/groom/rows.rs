@@ -267,7 +267,11 @@ impl RowContext<'_> {
             tint: vary(row.tint, t, hue, value),
             seed: (seed >> 32) as u32,
             // Seen from the front with the tip up, the leading vane of a left wing's feather is on the right.
-            mirrored: if row.mirror { mirrored == row.handed } else { false },
+            mirrored: if row.mirror {
+                mirrored == row.handed
+            } else {
+                false
+            },
         };
         let below = vec![
             SurfacePoint {
@@ -277,6 +281,7 @@ impl RowContext<'_> {
             segments + 1
         ];
         let shaft = Shaft {
+            heights: Vec::new(),
             points,
             normals,
             below,
