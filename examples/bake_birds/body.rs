@@ -125,7 +125,11 @@ impl<'a> Body<'a> {
             d = smooth_min(d, ridge.0, 7.0);
         }
         // The plumage of thigh and belly runs on without a crease.
-        d = smooth_min(d, smooth_min(parts.legs[0].0, parts.legs[1].0, 1.6 * k), 3.0 * k);
+        d = smooth_min(
+            d,
+            smooth_min(parts.legs[0].0, parts.legs[1].0, 1.6 * k),
+            3.0 * k,
+        );
         if self.species.feathered_tarsus {
             d = smooth_min(d, parts.legs[2].0, k_tarsus);
         }

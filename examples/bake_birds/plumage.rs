@@ -111,8 +111,16 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
             d = Vec3::new(0.0, -1.0, 0.4 - 0.6 * phi);
         }
         Tract::Crural | Tract::Tarsal => {
-            let knee = if tract == Tract::Crural { "tibia_L" } else { "tarsus_L" };
-            let ankle = if tract == Tract::Crural { "tarsus_L" } else { "foot_L" };
+            let knee = if tract == Tract::Crural {
+                "tibia_L"
+            } else {
+                "tarsus_L"
+            };
+            let ankle = if tract == Tract::Crural {
+                "tarsus_L"
+            } else {
+                "foot_L"
+            };
             let along = (species.joint(ankle) - species.joint(knee)).normalize();
             d = along.lerp(Vec3::NEG_Y, 0.35);
             d.x = 0.0;

@@ -240,7 +240,7 @@ pub fn macaw() -> Species {
             elbow: 26.,
             wrist: 28.,
             roll: 84.,
-            push: 6.,
+            push: 10.,
             tuck: 2.2,
         },
         bind: WingPose {
@@ -351,7 +351,7 @@ pub fn eagle() -> Species {
             elbow: 22.,
             wrist: 24.,
             roll: 85.,
-            push: 9.,
+            push: 14.,
             tuck: 3.,
         },
         bind: WingPose {

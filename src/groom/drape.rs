@@ -44,6 +44,8 @@ pub struct Shaft {
     pub normals: Vec<Vec3>,
     /// The skin below each point; none past the end of the trace.
     pub below: Vec<SurfacePoint>,
+    /// Height of each point over the skin, metres; infinite past the end of the trace.
+    pub heights: Vec<f32>,
     /// Curvature of the skin across the shaft, 1/m; positive where the sides fall away.
     pub across: f32,
 }
@@ -96,10 +98,19 @@ pub fn drape(skin: &SkinMesh, lay: &[Vec3], root: SurfacePoint, shape: &Shape) -
         .collect();
     let points = even(&target, shape, normal);
     let normals = frames(&points, &trace, shape.roll);
+    let heights = points
+        .iter()
+        .zip(&trace)
+        .map(|(point, step)| match step.on_skin {
+            true => (*point - step.position).dot(step.normal).max(0.0),
+            false => f32::INFINITY,
+        })
+        .collect();
     let across = curvature_across(skin, &trace[segments / 2], shape.width);
     Shaft {
         points,
         normals,
+        heights,
         below: trace.iter().map(|step| step.at).collect(),
         across,
     }

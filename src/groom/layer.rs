@@ -2,13 +2,20 @@
 //!
 //! Draping alone orders feathers of one tract (see [`super::drape::rise`]). Where tracts meet, where the lay bends and where
 //! chance lifts one feather and presses its neighbour, feathers can still poke through those that cover them. Here neighbours
-//! turn about their roots, the upper up and the lower down, until they part (the bird study, section 4.5).
+//! turn about their roots, the upper up and the lower down, and then bend where they still touch, until they part (the bird study,
+//! section 4.5).
 
 use super::{grid::PointGrid, leaf::Leaf};
 use bevy::math::{Vec2, Vec3};
 
 /// Rounds of settling.
 const ROUNDS: usize = 20;
+/// Rounds of bending after that.
+const BENDING_ROUNDS: usize = 20;
+/// Furthest that bending moves a point, down and up, in distances from the root.
+const BEND: (f32, f32) = (-0.05, 0.12);
+/// Share of its height over the skin that a feather may lose.
+const SINK: f32 = 0.6;
 /// Stations along a feather that are compared.
 const STATIONS: usize = 3;
 /// Places across it.
@@ -34,6 +41,8 @@ pub struct Crossings {
 /// A point of a feather that is watched.
 struct Sample {
     leaf: u32,
+    /// Point of the shaft.
+    point: u32,
     place: Vec3,
     normal: Vec3,
     /// Distance from the root along the shaft: the lever of a turn about the root.
@@ -46,6 +55,8 @@ struct Sample {
 struct Contact {
     upper: u32,
     lower: u32,
+    /// Points of their shafts.
+    points: [u32; 2],
     /// Levers of the upper: about the root, about the shaft.
     upper_levers: Vec2,
     /// Levers of the lower.
@@ -71,6 +82,7 @@ pub fn settle(leaves: &mut [Leaf]) -> Crossings {
             .then(a.upper.cmp(&b.upper))
             .then(a.lower.cmp(&b.lower))
     });
+    let lowest: Vec<Vec2> = leaves.iter().map(lowest).collect();
     for _ in 0..ROUNDS {
         for contact in &contacts {
             let depth = contact.touch - gap(contact, &turns);
@@ -79,16 +91,123 @@ pub fn settle(leaves: &mut [Leaf]) -> Crossings {
                 let share =
                     depth / (a.length_squared() + b.length_squared()).max(f32::MIN_POSITIVE);
                 let (upper, lower) = (contact.upper as usize, contact.lower as usize);
-                turns[upper] = (turns[upper] + a * share).clamp(LOWEST, HIGHEST);
-                turns[lower] = (turns[lower] - b * share).clamp(LOWEST, HIGHEST);
+                turns[upper] = (turns[upper] + a * share).clamp(lowest[upper], HIGHEST);
+                turns[lower] = (turns[lower] - b * share).clamp(lowest[lower], HIGHEST);
             }
         }
     }
-    result.left = crossing_pairs(&contacts, &turns).1;
-    for (leaf, turn) in leaves.iter_mut().zip(turns) {
+    let heights = bend(leaves, &mut contacts, &turns);
+    // What is left of each gap is in the contacts now.
+    let none = vec![Vec2::ZERO; leaves.len()];
+    result.left = crossing_pairs(&contacts, &none).1;
+    for ((leaf, turn), heights) in leaves.iter_mut().zip(turns).zip(heights) {
         turn_leaf(leaf, turn);
+        bend_leaf(leaf, &heights);
     }
     result
+}
+
+/// How far a feather may turn down without sinking into the skin.
+fn lowest(leaf: &Leaf) -> Vec2 {
+    let step = leaf.card.length / (leaf.shaft.points.len() - 1) as f32;
+    let levels = leaf.shaft.heights.iter().enumerate().skip(1);
+    let room = levels
+        .map(|(i, height)| SINK * height / (step * i as f32))
+        .fold(f32::INFINITY, f32::min);
+    Vec2::new(LOWEST.x.max(-room), LOWEST.y)
+}
+
+/// Heights by which the points of each shaft leave their places so that the contacts open further. Takes what the turns and the
+/// heights give into the gaps of the contacts.
+fn bend(leaves: &[Leaf], contacts: &mut [Contact], turns: &[Vec2]) -> Vec<Vec<f32>> {
+    for contact in contacts.iter_mut() {
+        contact.gap = gap(contact, turns);
+    }
+    let mut heights: Vec<Vec<f32>> = leaves
+        .iter()
+        .map(|leaf| vec![0.0; leaf.shaft.points.len()])
+        .collect();
+    let reach = |leaf: u32, point: usize| {
+        let leaf = &leaves[leaf as usize];
+        leaf.card.length * point as f32 / (leaf.shaft.points.len() - 1) as f32
+    };
+    let floors: Vec<Vec<f32>> = leaves
+        .iter()
+        .zip(turns)
+        .map(|(leaf, turn)| {
+            let step = leaf.card.length / (leaf.shaft.points.len() - 1) as f32;
+            let floor = |i: usize| {
+                let lever = step * i as f32;
+                let height = leaf.shaft.heights.get(i).copied();
+                let room = SINK * height.unwrap_or(f32::INFINITY) + turn.x.min(0.0) * lever;
+                (BEND.0 * lever).max(-room.max(0.0))
+            };
+            (0..leaf.shaft.points.len()).map(floor).collect()
+        })
+        .collect();
+    for _ in 0..BENDING_ROUNDS {
+        for contact in contacts.iter() {
+            let [a, b] = contact.points.map(|point| point as usize);
+            let (upper, lower) = (contact.upper as usize, contact.lower as usize);
+            let depth = contact.touch - (contact.gap + heights[upper][a] - heights[lower][b]);
+            if depth <= 0.0 {
+                continue;
+            }
+            let (far, near) = (reach(contact.upper, a), reach(contact.lower, b));
+            let share = depth / (far + near).max(f32::MIN_POSITIVE);
+            lift(&mut heights[upper], &floors[upper], a, far * share, far);
+            lift(&mut heights[lower], &floors[lower], b, -near * share, near);
+        }
+    }
+    for contact in contacts.iter_mut() {
+        let [a, b] = contact.points.map(|point| point as usize);
+        contact.gap += heights[contact.upper as usize][a] - heights[contact.lower as usize][b];
+    }
+    heights
+}
+
+/// Moves a point of a shaft up, its neighbours a third as far, within limits; the root stays.
+fn lift(heights: &mut [f32], floors: &[f32], point: usize, by: f32, reach: f32) {
+    let unit = reach / point.max(1) as f32;
+    let last = (point + 1).min(heights.len() - 1);
+    for (i, height) in heights.iter_mut().enumerate().take(last + 1).skip(1) {
+        if i + 1 < point {
+            continue;
+        }
+        let share = if i == point { by } else { by / 3.0 };
+        let reach = unit * i as f32;
+        *height = (*height + share).clamp(floors[i], BEND.1 * reach);
+    }
+}
+
+/// Bends a feather by the heights of its points; its segments keep their lengths.
+fn bend_leaf(leaf: &mut Leaf, heights: &[f32]) {
+    if heights.iter().all(|height| *height == 0.0) {
+        return;
+    }
+    let old = leaf.shaft.points.clone();
+    let moved: Vec<Vec3> = old
+        .iter()
+        .zip(&leaf.shaft.normals)
+        .zip(heights)
+        .map(|((point, normal), height)| *point + *normal * *height)
+        .collect();
+    for i in 1..old.len() {
+        let length = old[i].distance(old[i - 1]);
+        let along = (moved[i] - moved[i - 1])
+            .try_normalize()
+            .unwrap_or(leaf.card.along);
+        leaf.shaft.points[i] = leaf.shaft.points[i - 1] + along * length;
+    }
+    for i in 0..old.len() {
+        let (along, normal) = (leaf.along(i), leaf.shaft.normals[i]);
+        leaf.shaft.normals[i] = (normal - along * normal.dot(along))
+            .try_normalize()
+            .unwrap_or(normal);
+    }
+    let span = leaf.shaft.points[1] - leaf.shaft.points[0];
+    leaf.card.along = span.try_normalize().unwrap_or(leaf.card.along);
+    leaf.card.normal = leaf.shaft.normals[0];
 }
 
 fn gap(contact: &Contact, turns: &[Vec2]) -> f32 {
@@ -134,6 +253,7 @@ fn contacts(leaves: &[Leaf]) -> Vec<Contact> {
             let across: &[f32] = if i == last { &[0.0] } else { &ACROSS };
             samples.extend(across.iter().map(|&x| Sample {
                 leaf: number as u32,
+                point: i as u32,
                 place: leaf.place(i, x),
                 normal: leaf.normal(i, x),
                 lever: lever.max(0.25 * leaf.card.length),
@@ -188,6 +308,7 @@ fn contacts(leaves: &[Leaf]) -> Vec<Contact> {
             contacts.push(Contact {
                 upper: upper.leaf,
                 lower: lower.leaf,
+                points: [upper.point, lower.point],
                 upper_levers: Vec2::new(upper.lever, upper.aside),
                 lower_levers: Vec2::new(lower.lever, lower.aside),
                 gap,

@@ -281,6 +281,7 @@ impl RowContext<'_> {
             segments + 1
         ];
         let shaft = Shaft {
+            heights: Vec::new(),
             points,
             normals,
             below,
