@@ -13,9 +13,9 @@ fn main() {
     helper::run("eagle", |app| {
         app.insert_resource(Shots {
             hero: Framing {
-                target: Vec3::new(0.0, 0.24, -0.03),
-                eye: Vec3::new(1.45, 0.55, 1.75),
-                fov: 24.0,
+                target: Vec3::new(0.0, 0.19, -0.06),
+                eye: Vec3::new(1.75, 0.55, 1.55),
+                fov: 19.5,
             },
             closeup: Framing {
                 target: Vec3::new(0.02, 0.50, 0.05),
@@ -69,7 +69,7 @@ fn setup(
         &mut meshes,
         &mut materials,
         0.035,
-        3.0,
+        1.5,
         Vec3::ZERO,
     );
 }

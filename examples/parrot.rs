@@ -76,7 +76,7 @@ fn setup(
         &mut meshes,
         &mut materials,
         0.022,
-        3.0,
+        1.5,
         Vec3::ZERO,
     );
 }

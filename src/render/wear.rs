@@ -22,6 +22,7 @@ impl Plugin for WearPlugin {
                 PostUpdate,
                 (
                     refresh_feathers,
+                    drop_unworn,
                     wear_feathers,
                     apply_quality,
                     measure_memory,
@@ -101,8 +102,26 @@ fn refresh_feathers(
     }
 }
 
+/// Forgets what no bird wears any more.
+fn drop_unworn(
+    mut removed: RemovedComponents<PlumageCards>,
+    worn: Query<&PlumageCards>,
+    mut wardrobe: ResMut<Wardrobe>,
+) {
+    if removed.read().count() > 0 {
+        wardrobe
+            .0
+            .retain(|ids, _| worn.iter().any(|cards| feather_ids(cards) == *ids));
+    }
+}
+
+fn feather_ids(cards: &PlumageCards) -> Vec<AssetId<Feather>> {
+    cards.feathers.iter().map(Handle::id).collect()
+}
+
 fn wear_feathers(
     mut commands: Commands,
+    server: Res<AssetServer>,
     mut wardrobe: ResMut<Wardrobe>,
     bare: Query<
         (Entity, &PlumageCards, &Mesh3d),
@@ -123,7 +142,7 @@ fn wear_feathers(
         if worn.cards.is_empty() {
             continue;
         }
-        let key: Vec<_> = worn.feathers.iter().map(Handle::id).collect();
+        let key = feather_ids(worn);
         if !wardrobe.0.contains_key(&key) {
             let Some(assets) = key
                 .iter()
@@ -132,6 +151,16 @@ fn wear_feathers(
             else {
                 continue;
             };
+            // A picture that failed to load leaves the painted pattern; the loader has said so.
+            let pending = |image: &Handle<Image>| {
+                images.get(image).is_none() && !server.load_state(image).is_failed()
+            };
+            if assets
+                .iter()
+                .any(|feather| feather.image.as_ref().is_some_and(pending))
+            {
+                continue;
+            }
             let packed = PackedFeathers::new(&assets, images);
             let bytes = (packed.data.len() as u64, packed.albedo_bytes());
             let wear = Wear {
