@@ -152,7 +152,7 @@ fn cards_come_follow_change_and_go() {
     wait(&mut app, "the thinner plumage", |world| {
         state(world, bird).is_ready()
     });
-    assert_eq!(state(app.world(), bird).cards, 391);
+    assert_eq!(state(app.world(), bird).cards, 383);
     app.update();
     assert!(
         app.world().get_entity(first).is_err(),
@@ -167,7 +167,7 @@ fn cards_come_follow_change_and_go() {
         .regions
         .truncate(1);
     wait(&mut app, "the changed plumage", |world| {
-        state(world, bird).cards == 216
+        state(world, bird).cards == 208
     });
     // Without the component nothing is left.
     app.world_mut().entity_mut(bird).remove::<Plumage>();

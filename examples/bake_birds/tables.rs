@@ -105,8 +105,8 @@ pub const MACAW: &[TractRow] = &[
     row("elbow", &[Elbow], "lesser", 30, 0, (26., 34.), (15., 20.), (5., 4.), (0.08, 14.), (0.9, 960., LESSER), (0xE0A81A, 0xE0A81A)),
     row("marginal_upper", &[MarginalUpper], "lesser", 770, 0, (7., 15.), (5., 9.), (10., 10.), (0.10, 25.), (0.3, 1100., HEAD), (0xC4231A, 0xC4231A)),
     row("lesser_under", &[LesserUnder], "lesser", 500, 7, (13., 27.), (10., 15.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0xB03020, 0xB03020)),
-    row("marginal_under", &[MarginalUnder], "lesser", 446, 0, (6., 13.), (5., 8.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0xB03020, 0xB03020)),
-    row("femoral", &[Femoral], "leg", 200, 0, (26., 34.), (14., 19.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0xB8221A, 0xB8221A)),
+    row("marginal_under", &[MarginalUnder], "lesser", 416, 0, (6., 13.), (5., 8.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0xB03020, 0xB03020)),
+    row("femoral", &[Femoral], "leg", 230, 0, (26., 34.), (14., 19.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0xB8221A, 0xB8221A)),
     row("crural", &[Crural], "leg", 550, 0, (26., 15.), (13., 9.), (7., 6.), (0.08, 18.), (0.05, 500., LESSER), (0xB8221A, 0xA02A24)),
 ];
 
@@ -130,11 +130,11 @@ pub const EAGLE: &[TractRow] = &[
     row("vent", &[Vent], "soft", 36, 0, (50., 80.), (28., 38.), (12., 12.), (0.08, 10.), (0.25, 300., CONTOUR), (0x6B4E35, 0x6B4E35)),
     row("filler", TRUNK, "semiplume", 60, 0, (26., 42.), (28., 36.), (2., 2.), (0., 0.), (0., 0., LESSER), (0x7A6650, 0x7A6650)),
     row("lesser_upper", &[LesserUpper], "lesser", 540, 7, (30., 62.), (22., 34.), (8., 8.), (0.08, 14.), (0.5, 1000., LESSER), (0x5A4230, 0x5A4230)),
-    row("elbow", &[Elbow], "lesser", 30, 0, (52., 66.), (30., 38.), (5., 4.), (0.08, 14.), (0.9, 960., LESSER), (0x5A4230, 0x6A5038)),
+    row("elbow", &[Elbow], "lesser", 40, 0, (52., 66.), (30., 38.), (5., 4.), (0.08, 14.), (0.9, 960., LESSER), (0x5A4230, 0x6A5038)),
     row("marginal_upper", &[MarginalUpper], "lesser", 680, 0, (13., 28.), (10., 16.), (10., 10.), (0.10, 25.), (0.3, 1100., HEAD), (0x6B4E33, 0x6B4E33)),
     row("lesser_under", &[LesserUnder], "lesser", 380, 6, (28., 58.), (22., 32.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0x4A3524, 0x4A3524)),
-    row("marginal_under", &[MarginalUnder], "lesser", 404, 0, (10., 26.), (8., 15.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0x523B27, 0x523B27)),
-    row("femoral", &[Femoral], "trouser", 140, 0, (50., 72.), (26., 34.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0x4E3627, 0x5C402C)),
+    row("marginal_under", &[MarginalUnder], "lesser", 354, 0, (10., 26.), (8., 15.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0x523B27, 0x523B27)),
+    row("femoral", &[Femoral], "trouser", 180, 0, (50., 72.), (26., 34.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0x4E3627, 0x5C402C)),
     row("crural", &[Crural], "trouser", 540, 0, (70., 42.), (27., 20.), (7., 6.), (0.10, 20.), (0.05, 500., CONTOUR), (0x5C402C, 0x8A6A4A)),
     row("tarsal", &[Tarsal], "tarsal", 300, 0, (34., 20.), (20., 14.), (7., 6.), (0.06, 14.), (0.05, 480., LESSER), (0x9A7B58, 0x9A7B58)),
 ];
