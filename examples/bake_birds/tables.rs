@@ -245,7 +245,7 @@ pub const EAGLE_ROWS: &[RowLook] = &[
     look("primary_coverts", "greater", 10, (130., 190.), (38., 32.), (1.5, 0.07, 8.), (6, 2), (0x3A2B1F, 0x3A2B1F)),
     look("greater_coverts", "greater", 14, (140., 105.), (44., 54.), (5., 0.09, 10.), (6, 2), (0x4A3726, 0x4A3726)),
     look("median_primary", "greater", 10, (80., 65.), (40., 34.), (6., 0.09, 12.), (4, 2), (0x6A5038, 0x5A4430)),
-    look("median_secondary", "greater", 15, (95., 70.), (38., 46.), (6., 0.09, 12.), (4, 2), (0x8A6A4A, 0x8A6A4A)),
+    look("median_secondary", "greater", 15, (95., 70.), (38., 46.), (6., 0.09, 12.), (4, 2), (0x7E6042, 0x463423)),
     look("under_primary", "greater", 10, (120., 150.), (46., 36.), (3., 0.06, 6.), (5, 2), (0x5F5348, 0x5F5348)),
     look("under_secondary", "greater", 14, (130., 95.), (40., 46.), (3., 0.06, 6.), (5, 2), (0x5F5348, 0x5F5348)),
     look("under_median_primary", "lesser", 11, (70., 55.), (34., 28.), (4., 0.06, 8.), (3, 2), (0x4A3828, 0x4A3828)),
