@@ -47,7 +47,7 @@ pub struct Coat {
 }
 
 /// Feathers a bird. The same arguments give the same bytes. `density` scales the number of feathers, and the size of
-/// those in regions by 1 / sqrt(density), so that cover stays; 0.01..=16, clamped.
+/// those in regions against it, so that cover stays; 0.01..=16, clamped.
 ///
 /// # Errors
 /// [`GroomError::Value`] if the groom is damaged, [`GroomError::Skin`] if the skin has no triangle.
@@ -131,9 +131,7 @@ fn regions(
     let mut placed: Vec<Follicle> = Vec::new();
     let mut leaves = Vec::new();
     let room = layer_room(&groom.regions);
-    let (counts, scale) = region_counts(groom, density);
-    // Fewer feathers are larger, so that they cover as much.
-    let size = scale.max(1.0e-3).sqrt().recip();
+    let (counts, size) = region_counts(groom, density);
     let joint_gap = joint_gap(&bird.joint_places);
     for (number, region) in groom.regions.iter().enumerate() {
         let mask = &masks[number];
@@ -184,8 +182,8 @@ fn regions(
 }
 
 /// Feathers of each region. The bird as a whole has `density` times its number of feathers; rows keep theirs at any density (a
-/// wing has ten primaries), so that the regions take up the difference: the second value is their own density. Fractions go to
-/// the largest remainders.
+/// wing has ten primaries), so that the regions take up the difference. Fractions go to the largest remainders. Also their
+/// size, so that cover stays.
 fn region_counts(groom: &Groom, density: f32) -> (Vec<usize>, f32) {
     let scattered: f64 = groom
         .regions
@@ -217,7 +215,12 @@ fn region_counts(groom: &Groom, density: f32) -> (Vec<usize>, f32) {
     for &number in order.iter().take(missing) {
         counts[number] += 1;
     }
-    (counts, scale as f32)
+    let size = if scale > 0.0 {
+        scale.sqrt().recip() as f32
+    } else {
+        1.0
+    };
+    (counts, size)
 }
 
 /// Height, at each triangle, of the feathers of lower regions that grow there.

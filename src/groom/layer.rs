@@ -13,7 +13,7 @@ const ROUNDS: usize = 20;
 /// Rounds of bending after that.
 const BENDING_ROUNDS: usize = 20;
 /// Furthest that bending moves a point, down and up, in distances from the root.
-const BEND: (f32, f32) = (-0.05, 0.12);
+const BEND: (f32, f32) = (-0.05, 0.07);
 /// Share of its height over the skin that a feather may lose.
 const SINK: f32 = 0.6;
 /// Stations along a feather that are compared.
@@ -23,7 +23,7 @@ const ACROSS: [f32; 3] = [-0.55, 0.0, 0.55];
 /// Furthest turns down, about the root and about the shaft, radians.
 const LOWEST: Vec2 = Vec2::new(-0.05, -0.2);
 /// Furthest turns up.
-const HIGHEST: Vec2 = Vec2::new(0.16, 0.2);
+const HIGHEST: Vec2 = Vec2::new(0.11, 0.2);
 /// Depth, in widths, below which two feathers count as touching (0.2 mm on a contour feather).
 const TOUCH: f32 = 0.01;
 

@@ -464,10 +464,9 @@ fn spawn_cards(
         feathers,
         owner,
     };
-    let mesh = Mesh3d(meshes.add(coat.mesh));
+    let empty = cards.cards.is_empty();
     // Cards stand out from the joints' own bounds, so no bounds are kept.
     let common = (
-        mesh,
         cards,
         NoFrustumCulling,
         Transform::IDENTITY,
@@ -475,6 +474,13 @@ fn spawn_cards(
         Name::new("Plumage"),
     );
     let output = commands.spawn((common, ChildOf(target.mesh))).id();
+    if empty {
+        // A mesh without vertices has no place on the GPU.
+        return output;
+    }
+    commands
+        .entity(output)
+        .insert(Mesh3d(meshes.add(coat.mesh)));
     if skinned {
         let mut fans = Vec::with_capacity(coat.fans.len());
         for fan in &coat.fans {
