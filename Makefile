@@ -2,13 +2,13 @@
 CARGO ?= cargo
 ARGS ?=
 
-.PHONY: help parrot eagle single test gallery bench docs birds feathers tables setup
+.PHONY: help parrot eagle single test gallery charts bench docs birds feathers tables setup
 
 help:
 	@echo "make parrot | eagle | single   show the example (off screen without a display); ARGS='--camera closeup' passes options"
 	@echo "make test                      format, lints, tests, documentation, shaders"
 	@echo "make gallery                   all pictures of the README"
-	@echo "make bench | docs              benchmarks; API documentation"
+	@echo "make charts | bench | docs     docs/charts; benchmarks; API documentation"
 	@echo "make birds | feathers | tables bake the assets anew"
 
 setup:
@@ -29,6 +29,9 @@ test: setup
 gallery: setup
 	$(CARGO) build --examples
 	./scripts/gallery.sh
+
+charts:
+	$(CARGO) run --example scattering_charts
 
 bench: setup
 	$(CARGO) bench --profile dev --config 'profile.dev.opt-level=3'

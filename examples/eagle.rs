@@ -39,7 +39,7 @@ fn main() {
             },
             far: Framing {
                 target: Vec3::new(0.0, 0.2, 0.0),
-                eye: Vec3::new(6.0, 1.6, 8.0),
+                eye: Vec3::new(3.9, 1.1, 5.2),
                 fov: 24.0,
             },
         })

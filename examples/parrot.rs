@@ -30,16 +30,16 @@ fn main() {
             full: Framing {
                 target: Vec3::new(0.0, -0.02, -0.12),
                 eye: Vec3::new(2.6, 0.3, 0.6),
-                fov: 27.0,
+                fov: 17.0,
             },
             back: Framing {
                 target: Vec3::new(0.0, -0.03, -0.1),
                 eye: Vec3::new(-0.9, 0.6, -2.3),
-                fov: 27.0,
+                fov: 19.0,
             },
             far: Framing {
                 target: Vec3::new(0.0, 0.05, -0.05),
-                eye: Vec3::new(6.0, 1.6, 8.0),
+                eye: Vec3::new(3.9, 1.1, 5.2),
                 fov: 27.0,
             },
         })

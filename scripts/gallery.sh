@@ -8,17 +8,17 @@ show() { # example, picture, arguments...
     local example=$1 picture=$2
     shift 2
     echo "gallery: $picture"
-    ${CARGO:-cargo} run -q --example "$example" -- --headless --output "$out/$picture.png" --stats "$out/stats/$picture.json" "$@" >/dev/null
+    ${CARGO:-cargo} run -q --example "$example" -- --headless --frames 1 --output "$out/$picture.png" --stats "$out/stats/$picture.json" "$@" >/dev/null
 }
-show parrot parrot --size 960x720 --time 0
+show parrot parrot --size 800x600 --time 0
 show parrot parrot_stretch --size 640x480 --time 2.9
 show parrot parrot_back --size 640x480 --camera back --time 0
 show parrot parrot_full --size 640x480 --camera full --time 0
 show parrot parrot_closeup --size 640x480 --camera closeup --time 0
 show parrot parrot_macro --size 640x480 --camera macro --time 0
 show parrot parrot_far --size 640x480 --camera far --time 0
-show parrot parrot_lod --size 640x480 --time 0 --view lod
-show eagle eagle --size 960x720 --time 0
+show parrot parrot_cards --size 640x480 --time 0 --view card
+show eagle eagle --size 800x600 --time 0
 show eagle eagle_full --size 640x480 --camera full --time 0
 show eagle eagle_back --size 640x480 --camera back --time 0
 show eagle eagle_closeup --size 640x480 --camera closeup --time 0
