@@ -137,6 +137,54 @@ fn a_missing_groom_or_feather_is_an_error_not_a_panic() {
 }
 
 #[test]
+fn point_and_spot_lights_light_feathers_and_darkness_is_dark() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    spawn(&mut stage, groom(150), Vec3::ZERO);
+    let camera = stage.camera;
+    let world = stage.app.world_mut();
+    world
+        .entity_mut(camera)
+        .remove::<bevy::light::EnvironmentMapLight>();
+    world.insert_resource(bevy::light::GlobalAmbientLight {
+        brightness: 0.0,
+        ..default()
+    });
+    let mut suns = world.query_filtered::<Entity, With<DirectionalLight>>();
+    let suns: Vec<Entity> = suns.iter(world).collect();
+    for sun in suns {
+        world.entity_mut(sun).despawn();
+    }
+    stage.settle();
+    assert!(lit_share(&stage.picture()) < 0.01, "light from nowhere");
+    let place = Transform::from_xyz(0.1, 0.2, 0.5).looking_at(Vec3::ZERO, Vec3::Y);
+    let point = PointLight {
+        intensity: 60_000.0,
+        shadow_maps_enabled: true,
+        ..default()
+    };
+    let lamp = stage.app.world_mut().spawn((point, place)).id();
+    for _ in 0..3 {
+        stage.frame();
+    }
+    let share = lit_share(&stage.picture());
+    assert!(share > 0.1, "point light: {share}");
+    stage.app.world_mut().entity_mut(lamp).despawn();
+    let spot = SpotLight {
+        intensity: 60_000.0,
+        shadow_maps_enabled: true,
+        ..default()
+    };
+    stage.app.world_mut().spawn((spot, place));
+    for _ in 0..3 {
+        stage.frame();
+    }
+    let share = lit_share(&stage.picture());
+    assert!(share > 0.1, "spot light: {share}");
+}
+
+#[test]
 fn a_slow_dolly_does_not_pop() {
     let Some(mut stage) = Stage::new() else {
         return;

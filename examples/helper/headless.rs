@@ -10,6 +10,7 @@ use bevy::{
         renderer::{RenderAdapterInfo, RenderDevice},
         view::screenshot::{Screenshot, ScreenshotCaptured},
     },
+    world_serialization::WorldAssetRoot,
 };
 use bevy_plumage::prelude::*;
 use std::{
@@ -121,6 +122,13 @@ fn load(app: &mut App, name: &str) {
             ready += u32::from(state.is_ready());
             failed += u32::from(state.error.is_some());
         }
+        // A bird whose own file is missing or damaged never gets as far as its plumage; the log has the reason.
+        let mut roots = app.world_mut().query::<&WorldAssetRoot>();
+        let server = app.world().resource::<AssetServer>();
+        failed += roots
+            .iter(app.world())
+            .filter(|root| server.load_state(&root.0).is_failed())
+            .count() as u32;
         let text = format!("{name}: {ready} of {all} birds feathered");
         if text != shown {
             println!("{text}");
