@@ -3,6 +3,7 @@
 use super::{Args, camera::OffScreen, stats};
 use bevy::{
     app::PluginsState,
+    asset::UntypedAssetLoadFailedEvent,
     light::DirectionalLightShadowMap,
     prelude::*,
     render::{
@@ -10,7 +11,6 @@ use bevy::{
         renderer::{RenderAdapterInfo, RenderDevice},
         view::screenshot::{Screenshot, ScreenshotCaptured},
     },
-    world_serialization::WorldAssetRoot,
 };
 use bevy_plumage::prelude::*;
 use std::{
@@ -22,6 +22,8 @@ use wgpu_types::DeviceType;
 
 /// Longest wait for assets and grooms.
 const LOAD_TIMEOUT: Duration = Duration::from_secs(120);
+/// Wait for the rest after a file has failed to load.
+const FAILURE_GRACE: Duration = Duration::from_secs(3);
 /// Frames before the first measured one: pipelines compile, shadow maps fill, buffers settle.
 const WARM_UP: u32 = 3;
 
@@ -113,6 +115,7 @@ fn frame(app: &mut App) -> Duration {
 fn load(app: &mut App, name: &str) {
     let start = Instant::now();
     let mut shown = String::new();
+    let mut last_failure = None;
     while start.elapsed() < LOAD_TIMEOUT {
         app.update();
         let mut states = app.world_mut().query::<&PlumageState>();
@@ -122,23 +125,22 @@ fn load(app: &mut App, name: &str) {
             ready += u32::from(state.is_ready());
             failed += u32::from(state.error.is_some());
         }
-        // A bird whose own file is missing or damaged never gets as far as its plumage; the log has the reason.
-        let mut roots = app.world_mut().query::<&WorldAssetRoot>();
-        let server = app.world().resource::<AssetServer>();
-        failed += roots
-            .iter(app.world())
-            .filter(|root| server.load_state(&root.0).is_failed())
-            .count() as u32;
+        let failures = app
+            .world()
+            .resource::<Messages<UntypedAssetLoadFailedEvent>>()
+            .len();
+        if failures > 0 {
+            // A bird whose own file is missing or damaged never gets as far as its plumage; the log has the reason.
+            last_failure = Some(Instant::now());
+        }
+        let given_up = last_failure.is_some_and(|at| at.elapsed() > FAILURE_GRACE);
         let text = format!("{name}: {ready} of {all} birds feathered");
         if text != shown {
             println!("{text}");
             shown = text;
         }
-        if all == ready + failed && app.should_exit().is_none() && start.elapsed().as_millis() > 200
-        {
-            return;
-        }
-        if app.should_exit().is_some() {
+        let settled = all == ready + failed && start.elapsed().as_millis() > 200;
+        if settled || given_up || app.should_exit().is_some() {
             return;
         }
         std::thread::sleep(Duration::from_millis(5));
