@@ -219,7 +219,11 @@ fn optics(structural: bool, downy: f32) -> Optics {
             roughness: 0.7,
         }
     } else {
-        Sheen::default()
+        // Closed vanes shine less at the rim than the model's default: saturated colours would pale.
+        Sheen {
+            strength: 0.12,
+            ..Sheen::default()
+        }
     };
     Optics {
         rachis: plain,
