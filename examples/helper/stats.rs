@@ -1,7 +1,7 @@
 //! The statistics an example writes.
 
 use bevy::{diagnostic::DiagnosticsStore, prelude::*, render::renderer::RenderAdapterInfo};
-use bevy_plumage::prelude::*;
+use bevy_plumage::{groom::PlumageCards, prelude::*};
 use serde_json::{Map, Value, json};
 use std::time::Duration;
 
@@ -9,12 +9,12 @@ use std::time::Duration;
 pub fn collect(app: &mut App, times: &mut [Duration]) -> Value {
     times.sort_unstable();
     let median = times.get(times.len() / 2).copied().unwrap_or_default();
-    let mut feathers = 0;
+    let mut cards = app.world_mut().query::<&PlumageCards>();
+    let feathers: usize = cards.iter(app.world()).map(|worn| worn.cards.len()).sum();
     let mut groom_ms: f64 = 0.0;
     let mut errors = Vec::new();
     let mut states = app.world_mut().query::<&PlumageState>();
     for state in states.iter(app.world()) {
-        feathers += state.cards;
         groom_ms += f64::from(state.groom_ms);
         errors.extend(state.error.clone());
     }
