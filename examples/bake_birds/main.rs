@@ -14,7 +14,6 @@ mod parts;
 mod plumage;
 mod preview;
 mod rows;
-mod scatter;
 mod skeleton;
 mod species;
 mod tables;

@@ -8,7 +8,6 @@ use image::{Rgb, RgbImage};
 
 use crate::idle;
 use crate::model::Model;
-use crate::scatter;
 use crate::skeleton::{Pose, Skeleton};
 use crate::species::Species;
 
@@ -324,7 +323,8 @@ pub fn draw(faces: &[Face], from: Vec3, size: u32, window: Option<(Vec3, f32)>) 
     image
 }
 
-/// Writes the sheets of one bird: body alone and with rows, in bind, folded, stretched and spread pose.
+/// Writes the sheets of one bird: body alone and with rows, in bind, folded, stretched and spread pose. (The whole coat is what
+/// the `groom_preview` example draws.)
 pub fn sheets(species: &Species, model: &Model, groom: &Groom, dir: &Path) -> Result<(), String> {
     let skeleton = &model.skeleton;
     let bind = skeleton.bind();
@@ -349,16 +349,13 @@ pub fn sheets(species: &Species, model: &Model, groom: &Groom, dir: &Path) -> Re
     ];
     for (name, pose) in &poses {
         let matrices = skeleton.matrices(pose);
-        for (level, suffix) in ["", "_rows", "_all"].iter().enumerate() {
+        for (level, suffix) in ["", "_rows"].iter().enumerate() {
             let mut faces = Vec::new();
             skinned(model, &matrices, &mut faces, 1.6);
             if level > 0 {
                 cards(groom, skeleton, pose, &matrices, &mut faces);
             }
-            if level > 1 {
-                faces.extend(scatter::cards(species, model, groom, &matrices));
-            }
-            let size = if level > 1 { 720 } else { 480 };
+            let size = 480;
             let mut sheet = RgbImage::new(size * 4, size * 2);
             for (i, v) in views.iter().enumerate() {
                 let picture = draw(&faces, *v, size, None);
@@ -373,28 +370,6 @@ pub fn sheets(species: &Species, model: &Model, groom: &Groom, dir: &Path) -> Re
             sheet
                 .save(&file)
                 .map_err(|e| format!("{}: {e}", file.display()))?;
-            if *name == "fold" && level == 2 {
-                for (view, from) in [
-                    ("hero", Vec3::new(1.15, 0.35, 1.3)),
-                    ("back", Vec3::new(0.9, 0.5, -1.1)),
-                ] {
-                    let file = dir.join(format!("{}_{view}.png", species.name));
-                    draw(&faces, from, 1400, None)
-                        .save(&file)
-                        .map_err(|e| format!("{}: {e}", file.display()))?;
-                }
-                let centre = species.joint("head") + Vec3::new(0.0, 5.0, 20.0);
-                let radius = if species.is_parrot() { 70.0 } else { 85.0 };
-                let file = dir.join(format!("{}_face.png", species.name));
-                draw(
-                    &faces,
-                    Vec3::new(1.15, 0.2, 1.0),
-                    1000,
-                    Some((centre, radius)),
-                )
-                .save(&file)
-                .map_err(|e| format!("{}: {e}", file.display()))?;
-            }
             if *name == "fold" && level == 0 {
                 let centre = species.joint("head") + Vec3::new(0.0, 10.0, 25.0);
                 let radius = if species.is_parrot() { 62.0 } else { 75.0 };
