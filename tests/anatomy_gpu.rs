@@ -8,11 +8,11 @@ use rand::{RngExt, SeedableRng};
 const FILES: [&str; 2] = ["math.wgsl", "anatomy.wgsl"];
 const COUNT: usize = 4000;
 const INPUTS: usize = 16;
-const OUTPUTS: usize = 12;
+const OUTPUTS: usize = 11;
 
 const TEXT: &str = "
 #import bevy_plumage::anatomy::{
-    canonical_footprint, barb_root, contour_coverage, vane_start_coverage, hooked, barbule_factor, barb_jitter, contour_row,
+    canonical_footprint, barb_root, contour_coverage, vane_start_coverage, hooked, barbule_factor, contour_row,
 }
 fn evaluate(i: u32) {
     let k = i * 16u;
@@ -22,7 +22,7 @@ fn evaluate(i: u32) {
     let angle = input[k + 9u];
     let reach = input[k + 10u];
     let root = barb_root(at.mean, angle);
-    let o = i * 12u;
+    let o = i * 11u;
     output[o] = at.mean.x;
     output[o + 1u] = at.mean.y;
     output[o + 2u] = at.cov.x;
@@ -33,8 +33,7 @@ fn evaluate(i: u32) {
     output[o + 7u] = vane_start_coverage(at.mean, at.cov, input[k + 12u], angle);
     output[o + 8u] = hooked(abs(at.mean.x), at.mean.y, reach, input[k + 13u], input[k + 14u]);
     output[o + 9u] = barbule_factor(output[o + 8u]);
-    output[o + 10u] = barb_jitter(i32(input[k + 15u]), i);
-    output[o + 11u] = contour_row(root, input[k + 12u], 256.0);
+    output[o + 10u] = contour_row(root, input[k + 12u], 256.0);
 }";
 
 #[test]
@@ -95,16 +94,11 @@ fn shader_and_crate_agree() {
             got[8]
         );
         assert!((got[9] - map::barbule_factor(hooked)).abs() < 1e-4);
-        assert_eq!(
-            got[10],
-            map::barb_jitter::<f32>(x[15] as i32, i as u32),
-            "case {i} jitter"
-        );
         let row = map::contour_row(root, x[12], 256.0);
         assert!(
-            (got[11] - row).abs() < 0.01,
+            (got[10] - row).abs() < 0.01,
             "case {i} row: {} against {row}",
-            got[11]
+            got[10]
         );
         // A step over a footprint far smaller than the rounding of the point itself may fall on either side: the last
         // bits of the distance count in units of the footprint.

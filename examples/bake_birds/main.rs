@@ -1,7 +1,7 @@
 //! Bakes the two birds of the scenes: skinned meshes (`assets/birds/*.glb`) and grooms (`assets/grooms/*.groom.ron`), from
 //! tables of measurements.
 //!
-//! `cargo run --example bake_birds -- --out assets --preview /tmp/preview`
+//! `cargo run --example bake_birds -- --out assets --preview target/preview`
 
 mod body;
 mod clip;

@@ -153,17 +153,6 @@ pub fn barbule_factor<T: Float>(hooked: T) -> T {
     c::<T>(LOOSE_BARBULES) + (T::one() - c(LOOSE_BARBULES)) * hooked
 }
 
-/// Random share in -1..1 for barb `index` of a feather: each barb a little longer or shorter. Integer hash (PCG output
-/// function, Jarzynski and Olano 2020), so that both machines agree to the last bit of the integer.
-pub fn barb_jitter<T: Float>(index: i32, seed: u32) -> T {
-    let mut h = (index as u32)
-        .wrapping_mul(747_796_405)
-        .wrapping_add(seed.wrapping_mul(2_891_336_453).wrapping_add(1));
-    h = ((h >> ((h >> 28) + 4)) ^ h).wrapping_mul(277_803_737);
-    h = (h >> 22) ^ h;
-    c::<T>(f64::from(h >> 8)) / c(8_388_608.0) - T::one()
-}
-
 /// Row of the contour table ([`ShapeTable::contour`](super::ShapeTable), `rows` of them) for a barb rooted at `root`:
 /// a fractional index in 0..rows-1.
 pub fn contour_row<T: Float>(root: T, start: T, rows: T) -> T {

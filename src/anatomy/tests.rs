@@ -378,18 +378,6 @@ fn hooks_end_at_the_rim_and_in_the_down() {
 }
 
 #[test]
-fn barbs_differ_in_length_without_bias() {
-    let values: Vec<f64> = (-5000..5000).map(|k| map::barb_jitter(k, 77)).collect();
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let variance = values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64;
-    assert!(mean.abs() < 0.02, "mean {mean}");
-    assert!((variance - 1.0 / 3.0).abs() < 0.02, "variance {variance}");
-    assert!(values.iter().all(|x| (-1.0..1.0).contains(x)));
-    let pairs = values.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / values.len() as f64;
-    assert!(pairs.abs() < 0.02, "neighbours correlate: {pairs}");
-}
-
-#[test]
 fn bake_paints_stops_rim_bars_and_tint() {
     let feather = presets::by_name("eagle_contour").expect("a preset");
     let pattern = Pattern {

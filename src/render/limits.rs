@@ -21,7 +21,7 @@ pub fn check(app: &App) {
     if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS_PER_STAGE {
         warn!(
             "bevy_plumage: Limits::max_storage_buffers_per_shader_stage is {}, feathers need {STORAGE_BUFFERS_PER_STAGE}; \
-             they will not be drawn",
+             they may not be drawn",
             limits.max_storage_buffers_per_shader_stage
         );
     }

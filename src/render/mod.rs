@@ -14,7 +14,7 @@ mod material;
 mod pack;
 mod wear;
 
-pub use lod::{CARD_COUNTERS, CardClass};
+pub use lod::CARD_COUNTERS;
 pub use material::{DebugView, FeatherMaterial, FeatherSettings, FeatherTransparency};
 pub use pack::{CARD_VEC4S, PackedFeathers};
 pub use wear::{FeatherQuality, PlumageMemory};

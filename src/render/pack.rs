@@ -1,7 +1,7 @@
 //! Feathers, fibre tables and cards as the shaders read them (twin of `shaders/feather_data.wgsl`).
 
 use crate::{
-    anatomy::{CONTOUR_ROWS, Feather, Pattern, RACHIS_ROWS, Vane},
+    anatomy::{CONTOUR_ROWS, Feather, Pattern, RACHIS_ROWS, Side},
     groom::Card,
     scattering::{Fibre, FibreTable, SHEEN_TABLE_SIZE, sheen_row},
 };
@@ -69,24 +69,19 @@ impl PackedFeathers {
     }
 }
 
-fn vane_rows(vane: &Vane, feather: &Feather) -> [[f32; 4]; 3] {
-    let (sin_b, cos_b) = vane.barb_angle.to_radians().sin_cos();
-    let (sin_bl, cos_bl) = vane.barbules.angle.to_radians().sin_cos();
-    let micrometre = 1e-3 / feather.length_mm;
+fn vane_rows(feather: &Feather, side: Side) -> [[f32; 4]; 3] {
+    let vane = feather.vane(side);
+    let (sin_b, cos_b) = vane.alpha_b().sin_cos();
+    let (sin_bl, cos_bl) = vane.alpha_bl().sin_cos();
     [
         [sin_b, cos_b, sin_bl, cos_bl],
         [
-            sin_b / vane.barb_count,
-            vane.barbules.spacing_um * micrometre,
-            vane.barb_radius_um * micrometre,
-            vane.barbules.distal_radius_um * micrometre,
+            feather.p_b(side),
+            feather.d_bl(side),
+            feather.r_b(side),
+            feather.r_bd(side),
         ],
-        [
-            vane.barbules.proximal_radius_um * micrometre,
-            vane.fringe,
-            vane.downy,
-            vane.barb_angle.to_radians(),
-        ],
+        [feather.r_bp(side), vane.fringe, vane.downy, vane.alpha_b()],
     ]
 }
 
@@ -104,8 +99,8 @@ fn pack_feather(
         // Without colours of its own the back of a structural feather is dark (its mirrors face outwards).
         f32::from(u8::from(feather.albedo.back.is_none())),
     ]);
-    rows.extend(vane_rows(&feather.left, feather));
-    rows.extend(vane_rows(&feather.right, feather));
+    rows.extend(vane_rows(feather, Side::Left));
+    rows.extend(vane_rows(feather, Side::Right));
     let sheen = feather.optics.sheen;
     rows.push([sheen.strength, sheen.roughness, 0.0, 0.0]);
     let optics = &feather.optics;

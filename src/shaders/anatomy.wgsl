@@ -86,14 +86,6 @@ fn barbule_factor(hooked_share: f32) -> f32 {
     return LOOSE_BARBULES + (1.0 - LOOSE_BARBULES) * hooked_share;
 }
 
-// Random share in -1..1 for a barb of a feather (PCG output function, Jarzynski and Olano 2020).
-fn barb_jitter(index: i32, seed: u32) -> f32 {
-    var h = bitcast<u32>(index) * 747796405u + (seed * 2891336453u + 1u);
-    h = ((h >> ((h >> 28u) + 4u)) ^ h) * 277803737u;
-    h = (h >> 22u) ^ h;
-    return f32(h >> 8u) / 8388608.0 - 1.0;
-}
-
 // Fractional row of the contour table for a barb rooted at root, 0..rows-1.
 fn contour_row(root: f32, start: f32, rows: f32) -> f32 {
     let last = max(rows - 1.0, 0.0);

@@ -20,7 +20,7 @@
 #endif
 
 const PI: f32 = 3.14159265358979;
-const RACHIS: u32 = 0u;
+// Components in the order of the weights; the rachis is 0.
 const BARB: u32 = 1u;
 const DISTAL: u32 = 2u;
 const PROXIMAL: u32 = 3u;

@@ -1,5 +1,6 @@
 // The material's bindings and what is read through them.
 #define_import_path bevy_plumage::feather_bindings
+#import bevy_plumage::anatomy::contour_row
 #import bevy_plumage::feather_data as data
 
 struct FeatherSettings {
@@ -38,8 +39,7 @@ fn rachis_at(base: u32, v: f32) -> vec4<f32> {
 
 // (left reach, right reach, their slopes) of the barb rooted at y0; a barb rooted outside the vane reaches nowhere.
 fn contour_at(base: u32, start: f32, y0: f32) -> vec4<f32> {
-    let x = (y0 - start) / max(1.0 - start, 1e-4) * f32(data::CONTOUR_SAMPLES - 1u);
-    let c = clamp(x, 0.0, f32(data::CONTOUR_SAMPLES - 1u));
+    let c = contour_row(y0, start, f32(data::CONTOUR_SAMPLES));
     let i = min(u32(c), data::CONTOUR_SAMPLES - 2u);
     let at = base + data::HEADER_LENGTH + data::RACHIS_SAMPLES + i;
     return mix(feather_at(at), feather_at(at + 1u), c - f32(i));

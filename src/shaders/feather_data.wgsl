@@ -19,7 +19,7 @@ const FIBRES: u32 = 8u;      // 4 x 3: rachis, barb, distal, proximal
 const TABLES: u32 = 20u;     // fibre table index of each of the four
 const SHARES: u32 = 21u;     // factor on the painted colour of each of the four
 
-// Class of a card, twin of CardClass.
+// Class of a card, indices of CARD_COUNTERS.
 const CARD_CULLED: u32 = 0u;
 const CARD_NEAR: u32 = 1u;
 const CARD_FAR: u32 = 2u;

@@ -11,23 +11,9 @@ use bevy::{
     render::{GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems},
 };
 
-/// What the pass decided for a card.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[repr(u32)]
-pub enum CardClass {
-    /// Outside the view.
-    Culled = 0,
-    /// Every footprint is small: NEAR.
-    Near = 1,
-    /// Barbules are never resolved: STRIPE.
-    Far = 2,
-    /// Not even barbs are: MEAN.
-    Mean = 3,
-    /// Each pixel decides.
-    Mixed = 4,
-}
-
-/// Names of the counters, in the order of [`CardClass`]; diagnostics `render/feather_cards_<name>`.
+/// What the pass may decide for a card, and the names of its counters (diagnostics `render/feather_cards_<name>`): outside the
+/// view; every footprint so small that NEAR serves; barbules never resolved, STRIPE; not even barbs, MEAN; each pixel decides.
+/// The shaders' classes are the indices; from 1 on they are those of [`crate::query::Lod`].
 pub const CARD_COUNTERS: [&str; 5] = ["culled", "near", "far", "mean", "mixed"];
 
 pub(super) struct LodPlugin;
