@@ -23,8 +23,9 @@ single: setup
 test: setup
 	$(CARGO) fmt --check
 	$(CARGO) clippy --all-targets -- -D warnings
-	$(CARGO) test
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --lib --examples
+	$(CARGO) clippy --all-targets --all-features -- -D warnings
+	$(CARGO) test --all-features
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --lib --examples --all-features
 
 gallery: setup
 	$(CARGO) build --examples
@@ -37,7 +38,7 @@ bench: setup
 	$(CARGO) bench --profile dev --config 'profile.dev.opt-level=3'
 
 docs: setup
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --lib --examples
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --lib --examples --all-features
 
 birds:
 	$(CARGO) run --example bake_birds

@@ -12,7 +12,7 @@ use bevy::{
         },
         storage::ShaderBuffer,
     },
-    shader::ShaderRef,
+    shader::{ShaderDefVal, ShaderRef},
 };
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +25,18 @@ pub enum FeatherTransparency {
     AlphaToCoverage,
     /// Blended; the camera's order-independent transparency sorts the fragments if it has it.
     Blend,
+}
+
+/// How the shader finds the coverage of a pixel's footprint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum CoverageMethod {
+    /// The cheapest evaluator within the error budget ([`crate::query::choose`]).
+    #[default]
+    Chosen,
+    /// The paper's own: spatial domain by Gauss-Legendre near, frequency domain far, a hard switch between them
+    /// ([`crate::query::published`]). For comparison only.
+    Published,
 }
 
 /// What a feather shows instead of its shaded colour.
@@ -61,6 +73,10 @@ pub struct FeatherSettings {
     pub dither: bool,
     /// What is shown.
     pub debug_view: DebugView,
+    /// How coverage is found.
+    pub coverage_method: CoverageMethod,
+    /// Samples of the environment map per pixel, 0..64, by importance; 0 (default) takes Bevy's prefiltered maps instead.
+    pub environment_samples: u32,
 }
 
 impl FeatherSettings {
@@ -82,6 +98,8 @@ impl Default for FeatherSettings {
             shelter: 0.55,
             dither: true,
             debug_view: DebugView::None,
+            coverage_method: CoverageMethod::Chosen,
+            environment_samples: 0,
         }
     }
 }
@@ -99,6 +117,8 @@ pub struct GpuFeatherSettings {
     pub dither: u32,
     /// `DebugView` as a number.
     pub debug_view: u32,
+    /// `FeatherSettings::environment_samples`.
+    pub environment_samples: u32,
 }
 
 impl From<&FeatherSettings> for GpuFeatherSettings {
@@ -109,6 +129,42 @@ impl From<&FeatherSettings> for GpuFeatherSettings {
             shelter: settings.shelter.clamp(0.0, 1.0),
             dither: u32::from(settings.dither),
             debug_view: settings.debug_view as u32,
+            environment_samples: settings.environment_samples.min(64),
+        }
+    }
+}
+
+/// What makes two feather materials want different pipelines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct FeatherPipelineKey {
+    /// `FeatherSettings::coverage_method`.
+    pub coverage_method: CoverageMethod,
+    /// `FeatherMaterial::transparency`.
+    pub transparency: FeatherTransparency,
+    /// The environment map is sampled by importance.
+    pub sampled_environment: bool,
+}
+
+impl FeatherPipelineKey {
+    /// Shader definitions of the main pass.
+    fn shader_defs(&self) -> Vec<ShaderDefVal> {
+        let mut defs = Vec::new();
+        if self.coverage_method == CoverageMethod::Published {
+            defs.push("PUBLISHED_COVERAGE".into());
+        }
+        if self.sampled_environment {
+            defs.push("SAMPLED_ENVIRONMENT".into());
+        }
+        defs
+    }
+}
+
+impl From<&FeatherMaterial> for FeatherPipelineKey {
+    fn from(material: &FeatherMaterial) -> Self {
+        Self {
+            coverage_method: material.settings.coverage_method,
+            transparency: material.transparency,
+            sampled_environment: material.settings.environment_samples > 0,
         }
     }
 }
@@ -116,6 +172,7 @@ impl From<&FeatherSettings> for GpuFeatherSettings {
 /// The feathers one bird wears, bound to the GPU. The plugin makes one for every groomed bird.
 #[derive(Asset, TypePath, AsBindGroup, Clone, Debug)]
 #[uniform(0, GpuFeatherSettings)]
+#[bind_group_data(FeatherPipelineKey)]
 pub struct FeatherMaterial {
     /// Quality.
     pub settings: FeatherSettings,
@@ -175,8 +232,13 @@ impl Material for FeatherMaterial {
         _pipeline: &MaterialPipeline,
         descriptor: &mut RenderPipelineDescriptor,
         _layout: &MeshVertexBufferLayoutRef,
-        _key: MaterialPipelineKey<Self>,
+        key: MaterialPipelineKey<Self>,
     ) -> Result<(), SpecializedMeshPipelineError> {
+        if let Some(fragment) = &mut descriptor.fragment {
+            fragment
+                .shader_defs
+                .extend(key.bind_group_data.shader_defs());
+        }
         // Both faces of a feather show, and both cast shadows.
         descriptor.primitive.cull_mode = None;
         Ok(())
@@ -215,7 +277,8 @@ mod tests {
                 "multiple_scattering",
                 "shelter",
                 "dither",
-                "debug_view"
+                "debug_view",
+                "environment_samples"
             ]
         );
         assert!(

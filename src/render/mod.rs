@@ -15,7 +15,9 @@ mod pack;
 mod wear;
 
 pub use lod::CARD_COUNTERS;
-pub use material::{DebugView, FeatherMaterial, FeatherSettings, FeatherTransparency};
+pub use material::{
+    CoverageMethod, DebugView, FeatherMaterial, FeatherSettings, FeatherTransparency,
+};
 pub use pack::{CARD_VEC4S, PackedFeathers};
 pub use wear::{FeatherQuality, PlumageMemory};
 

@@ -10,6 +10,8 @@ struct FeatherSettings {
     shelter: f32,
     dither: u32,
     debug_view: u32,
+    // Samples of the environment map, 0: prefiltered maps.
+    environment_samples: u32,
 }
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> settings: FeatherSettings;
