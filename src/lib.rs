@@ -44,8 +44,8 @@ pub mod prelude {
         groom::{Groom, Plumage, PlumageState},
         plugin::PlumagePlugins,
         render::{
-            CARD_COUNTERS, DebugView, FeatherMaterial, FeatherQuality, FeatherSettings,
-            FeatherTransparency, PlumageMemory,
+            CARD_COUNTERS, DebugView, FeatherMaterial, FeatherPath, FeatherQuality,
+            FeatherSettings, FeatherTransparency, PlumageMemory, Ruffle, Wind,
         },
     };
 }

@@ -60,44 +60,102 @@ const FORWARD: [&str; 9] = [
     "VIEW_PROJECTION_PERSPECTIVE",
     "SHADOW_FILTER_METHOD_GAUSSIAN",
 ];
-const PREPASS: [&str; 5] = [
+const PREPASS: [&str; 7] = [
     "PREPASS_PIPELINE",
     "VERTEX_POSITIONS",
     "VERTEX_UVS_A",
     "VERTEX_UVS_B",
-    "MAY_DISCARD",
+    "VERTEX_NORMALS",
+    "VERTEX_TANGENTS",
+    "DEPTH_PREPASS",
+];
+
+/// Options of the view and the ways of transparency, in the combinations that occur.
+const FORWARD_OPTIONS: [&[&str]; 17] = [
+    &["HASHED"],
+    &["ENVIRONMENT_MAP", "HASHED"],
+    &["ENVIRONMENT_MAP", "SAMPLE_COVERAGE", "MULTISAMPLED"],
+    &["DISTANCE_FOG", "ENVIRONMENT_MAP", "HASHED"],
+    &[
+        "OIT_ENABLED",
+        "FEATHER_FRINGE",
+        "BLENDED",
+        "ENVIRONMENT_MAP",
+    ],
+    &["OIT_ENABLED", "FEATHER_FRINGE", "BLENDED", "DEPTH_PREPASS"],
+    &["FEATHER_CORE"],
+    &["BLENDED"],
+    &["OVERDRAW"],
+    &[
+        "TONEMAP_IN_SHADER",
+        "TONEMAP_METHOD_ACES_FITTED",
+        "OIT_ENABLED",
+        "BLENDED",
+    ],
+    &[
+        "DEPTH_PREPASS",
+        "NORMAL_PREPASS",
+        "ENVIRONMENT_MAP",
+        "HASHED",
+    ],
+    &[
+        "IRRADIANCE_VOLUMES_ARE_USABLE",
+        "IRRADIANCE_VOLUME",
+        "ENVIRONMENT_MAP",
+        "HASHED",
+    ],
+    &["IRRADIANCE_VOLUMES_ARE_USABLE", "ENVIRONMENT_MAP", "HASHED"],
+    &["CONTACT_SHADOWS", "DEPTH_PREPASS", "HASHED"],
+    &["SCREEN_SPACE_AMBIENT_OCCLUSION", "DEPTH_PREPASS", "HASHED"],
+    &["ATMOSPHERE", "SAMPLE_COVERAGE", "MULTISAMPLED"],
+    &["VISIBILITY_RANGE_DITHER", "HASHED"],
+];
+const PREPASS_OPTIONS: [&[&str]; 7] = [
+    &["HASHED"],
+    &["FEATHER_CORE"],
+    &["SAMPLE_COVERAGE", "FEATHER_PREPASS_OUTPUT"],
+    &[
+        "UNCLIPPED_DEPTH_ORTHO_EMULATION",
+        "PREPASS_FRAGMENT",
+        "FEATHER_PREPASS_OUTPUT",
+        "DIRECTIONAL_SHADOW",
+        "HASHED",
+    ],
+    &[
+        "NORMAL_PREPASS",
+        "PREPASS_FRAGMENT",
+        "FEATHER_PREPASS_OUTPUT",
+        "HASHED",
+    ],
+    &[
+        "NORMAL_PREPASS",
+        "MOTION_VECTOR_PREPASS",
+        "PREPASS_FRAGMENT",
+        "FEATHER_PREPASS_OUTPUT",
+        "SAMPLE_COVERAGE",
+    ],
+    &[
+        "MOTION_VECTOR_PREPASS",
+        "HAS_PREVIOUS_SKIN",
+        "VISIBILITY_RANGE_DITHER",
+        "PREPASS_FRAGMENT",
+        "FEATHER_PREPASS_OUTPUT",
+        "HASHED",
+    ],
 ];
 
 fn variants() -> Vec<(&'static str, Vec<&'static str>)> {
     let mut all = Vec::new();
     for skinned in [&[] as &[&str], &["SKINNED"]] {
-        for options in [
-            &[] as &[&str],
-            &["ENVIRONMENT_MAP"],
-            &["ENVIRONMENT_MAP", "ALPHA_TO_COVERAGE", "MULTISAMPLED"],
-            &["DISTANCE_FOG", "ENVIRONMENT_MAP"],
-            &["OIT_ENABLED", "ENVIRONMENT_MAP"],
-            &[
-                "TONEMAP_IN_SHADER",
-                "TONEMAP_METHOD_ACES_FITTED",
-                "OIT_ENABLED",
-            ],
-            &["DEPTH_PREPASS", "NORMAL_PREPASS", "ENVIRONMENT_MAP"],
-            &["IRRADIANCE_VOLUMES_ARE_USABLE", "ENVIRONMENT_MAP"],
-        ] {
+        for options in FORWARD_OPTIONS {
             for file in ["feather.wgsl", "feather_vertex.wgsl"] {
                 let defs = FORWARD.iter().chain(skinned).chain(options).copied();
                 all.push((file, defs.collect()));
             }
         }
-        for options in [
-            &[] as &[&str],
-            &["UNCLIPPED_DEPTH_ORTHO_EMULATION", "PREPASS_FRAGMENT"],
-        ] {
-            for file in ["feather_prepass.wgsl", "feather_vertex.wgsl"] {
-                let defs = PREPASS.iter().chain(skinned).chain(options).copied();
-                all.push((file, defs.collect()));
-            }
+        for options in PREPASS_OPTIONS {
+            let defs = PREPASS.iter().chain(skinned).chain(options).copied();
+            all.push(("feather_prepass.wgsl", defs.collect()));
         }
     }
     all.push(("feather_lod.wgsl", Vec::new()));
@@ -159,6 +217,8 @@ fn every_variant_is_valid() {
             ("MATERIAL_BIND_GROUP", 3),
             ("MAX_DIRECTIONAL_LIGHTS", 10),
             ("MAX_CASCADES_PER_LIGHT", 4),
+            ("MAX_RECT_LIGHTS", 8),
+            ("FEATHER_SAMPLES", 4),
             ("PER_OBJECT_BUFFER_BATCH_SIZE", 64),
         ] {
             defs.push(ShaderDefVal::UInt(name.into(), value));

@@ -35,6 +35,8 @@ pub use fan::{FanJoints, fan_rows, fan_transform};
 pub use layer::Crossings;
 pub use leaf::Leaf;
 pub use loader::{GroomLoader, GroomSaver};
-pub use plumage::{GroomPlugin, GroomSystems, Plumage, PlumageCards, PlumageOutput, PlumageState};
+pub use plumage::{
+    GroomPlugin, GroomSystems, Plumage, PlumageCards, PlumageOutput, PlumageRepeat, PlumageState,
+};
 pub use rows::FanJoint;
 pub use skin::SkinMesh;

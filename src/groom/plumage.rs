@@ -125,6 +125,10 @@ pub struct PlumageOutput(
     pub Entity,
 );
 
+/// On a mesh that draws a bird's cards once more, below the card mesh: no skin to groom.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct PlumageRepeat;
+
 /// A groom under way.
 #[derive(Component, Default)]
 struct GroomJob {
@@ -212,7 +216,12 @@ fn request(
 #[derive(SystemParam)]
 struct Meshes<'w, 's> {
     children: Query<'w, 's, &'static Children>,
-    meshes: Query<'w, 's, (&'static Mesh3d, Option<&'static SkinnedMesh>), Without<PlumageCards>>,
+    meshes: Query<
+        'w,
+        's,
+        (&'static Mesh3d, Option<&'static SkinnedMesh>),
+        (Without<PlumageCards>, Without<PlumageRepeat>),
+    >,
     names: Query<'w, 's, &'static Name>,
     assets: Res<'w, Assets<Mesh>>,
     poses: Res<'w, Assets<SkinnedMeshInverseBindposes>>,

@@ -1,9 +1,11 @@
 //! [`FeatherMaterial`]: the look bound to the GPU.
 
+use super::specialize;
 use crate::query::ErrorBudget;
 use crate::shaders::{FEATHER, FEATHER_PREPASS, FEATHER_VERTEX};
 use bevy::{
     mesh::MeshVertexBufferLayoutRef,
+    material::OpaqueRendererMethod,
     pbr::{MaterialPipeline, MaterialPipelineKey},
     prelude::*,
     render::{
@@ -20,11 +22,22 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum FeatherTransparency {
-    /// Coverage becomes MSAA samples: no sorting, writes depth. Wants `Msaa::Sample4`; with `Msaa::Off` it cuts out at one half.
+    /// Coverage becomes MSAA samples: no sorting, writes depth. Wants `Msaa::Sample4`; with `Msaa::Off` it is [`Self::Hashed`].
     #[default]
     AlphaToCoverage,
-    /// Blended; the camera's order-independent transparency sorts the fragments if it has it.
+    /// Every pixel is there or not, by a pattern fixed to the feather (Wyman and McGuire 2017): no sorting, writes depth, works
+    /// without MSAA. Grainy in a single frame.
+    Hashed,
+    /// Interiors of vanes, almost opaque, are drawn with depth; only fringes go to Bevy's order-independent transparency, which
+    /// the camera needs: `OrderIndependentTransparencySettings` and `Msaa::Off`. On cameras without it the feathers are drawn as
+    /// with [`Self::AlphaToCoverage`], and a warning says so.
+    OrderIndependent,
+    /// Blended in the order of the mesh, without depth: exact for a single feather, wrong where feathers cover each other. A
+    /// camera with order-independent transparency sorts the fragments.
     Blend,
+    /// The almost opaque interiors alone; the plugin makes these for [`Self::OrderIndependent`].
+    #[doc(hidden)]
+    Core,
 }
 
 /// How the shader finds the coverage of a pixel's footprint.
@@ -56,6 +69,12 @@ pub enum DebugView {
     Layer,
     /// The world normal of the card.
     Normal,
+    /// A colour per barb; the two vanes apart.
+    Barb,
+    /// Where the light of the fibres goes: reflected by the surface red, out of the fibre to the front green, to the back blue.
+    Lobe,
+    /// Number of fragments over one another; sixteen make white.
+    Overdraw,
 }
 
 /// Quality of all feathers of a bird.
@@ -143,17 +162,22 @@ pub struct FeatherPipelineKey {
     pub transparency: FeatherTransparency,
     /// The environment map is sampled by importance.
     pub sampled_environment: bool,
+    /// [`DebugView::Overdraw`].
+    pub overdraw: bool,
 }
 
 impl FeatherPipelineKey {
-    /// Shader definitions of the main pass.
-    fn shader_defs(&self) -> Vec<ShaderDefVal> {
+    /// Shader definitions that do not depend on the view.
+    pub(super) fn shader_defs(&self) -> Vec<ShaderDefVal> {
         let mut defs = Vec::new();
         if self.coverage_method == CoverageMethod::Published {
             defs.push("PUBLISHED_COVERAGE".into());
         }
         if self.sampled_environment {
             defs.push("SAMPLED_ENVIRONMENT".into());
+        }
+        if self.overdraw {
+            defs.push("OVERDRAW".into());
         }
         defs
     }
@@ -165,6 +189,7 @@ impl From<&FeatherMaterial> for FeatherPipelineKey {
             coverage_method: material.settings.coverage_method,
             transparency: material.transparency,
             sampled_environment: material.settings.environment_samples > 0,
+            overdraw: material.settings.debug_view == DebugView::Overdraw,
         }
     }
 }
@@ -191,6 +216,9 @@ pub struct FeatherMaterial {
     #[texture(4, dimension = "2d_array")]
     #[sampler(5)]
     pub albedo: Handle<Image>,
+    /// Wind and ruffle, see [`super::Wind`].
+    #[storage(6, read_only, visibility(vertex))]
+    pub motion: Handle<ShaderBuffer>,
 }
 
 impl From<&FeatherMaterial> for GpuFeatherSettings {
@@ -209,7 +237,7 @@ impl Material for FeatherMaterial {
     }
 
     fn prepass_vertex_shader() -> ShaderRef {
-        FEATHER_VERTEX.into()
+        FEATHER_PREPASS.into()
     }
 
     fn prepass_fragment_shader() -> ShaderRef {
@@ -217,31 +245,27 @@ impl Material for FeatherMaterial {
     }
 
     fn alpha_mode(&self) -> AlphaMode {
+        if self.settings.debug_view == DebugView::Overdraw {
+            return AlphaMode::Add;
+        }
         match self.transparency {
             FeatherTransparency::AlphaToCoverage => AlphaMode::AlphaToCoverage,
-            FeatherTransparency::Blend => AlphaMode::Blend,
+            FeatherTransparency::Hashed | FeatherTransparency::Core => AlphaMode::Mask(0.5),
+            FeatherTransparency::OrderIndependent | FeatherTransparency::Blend => AlphaMode::Blend,
         }
     }
 
-    /// Under MSAA the depth prepass of an alpha-to-coverage material has no fragment stage and would write the whole card.
-    fn enable_prepass() -> bool {
-        false
+    fn opaque_render_method(&self) -> OpaqueRendererMethod {
+        OpaqueRendererMethod::Forward
     }
 
     fn specialize(
         _pipeline: &MaterialPipeline,
         descriptor: &mut RenderPipelineDescriptor,
-        _layout: &MeshVertexBufferLayoutRef,
+        layout: &MeshVertexBufferLayoutRef,
         key: MaterialPipelineKey<Self>,
     ) -> Result<(), SpecializedMeshPipelineError> {
-        if let Some(fragment) = &mut descriptor.fragment {
-            fragment
-                .shader_defs
-                .extend(key.bind_group_data.shader_defs());
-        }
-        // Both faces of a feather show, and both cast shadows.
-        descriptor.primitive.cull_mode = None;
-        Ok(())
+        specialize::feather_pipeline(descriptor, layout, key.mesh_key, &key.bind_group_data)
     }
 }
 

@@ -3,23 +3,35 @@
 //! | file | what |
 //! |---|---|
 //! | `material` | [`FeatherMaterial`], its settings and pipelines |
+//! | `specialize` | how coverage becomes pixels in the view at hand |
+//! | `core` | order-independent transparency |
+//! | `wind` | [`Wind`] and [`Ruffle`] |
 //! | `pack` | feathers, fibre tables and cards as the shaders read them |
 //! | `wear` | gives every groomed bird its material; [`PlumageMemory`] |
 //! | `lod` | compute pass that classifies every card for every camera |
 //! | `limits` | what the device must offer |
+//! | `cut_out` | what is drawn where it does not |
 
+mod core;
+mod cut_out;
 mod limits;
 mod lod;
 mod material;
 mod pack;
+mod specialize;
 mod wear;
+mod wind;
 
+pub use cut_out::FeatherPath;
 pub use lod::CARD_COUNTERS;
 pub use material::{
     CoverageMethod, DebugView, FeatherMaterial, FeatherSettings, FeatherTransparency,
 };
 pub use pack::{CARD_VEC4S, PackedFeathers};
 pub use wear::{FeatherQuality, PlumageMemory};
+pub use wind::{
+    RUFFLE_LIFT, RUFFLE_YAW, Ruffle, Wind, value_noise, wind_lift, wind_response, wind_velocity,
+};
 
 use crate::shaders::ShadersPlugin;
 use bevy::{pbr::MaterialPlugin, prelude::*};
@@ -31,8 +43,18 @@ impl Plugin for FeatherRenderPlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<FeatherQuality>()
             .register_type::<FeatherSettings>()
+            .register_type::<Wind>()
+            .register_type::<Ruffle>()
+            .register_type::<FeatherPath>()
+            .init_resource::<Wind>()
+            .init_resource::<FeatherPath>()
+            .add_systems(
+                PostUpdate,
+                cut_out::wear_cut_outs.run_if(resource_equals(FeatherPath::CutOut)),
+            )
             .add_plugins((
                 ShadersPlugin,
+                core::CorePlugin,
                 MaterialPlugin::<FeatherMaterial>::default(),
                 wear::WearPlugin,
                 lod::LodPlugin,

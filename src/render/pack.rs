@@ -20,6 +20,8 @@ pub const HEADER_LENGTH: usize = 24;
 pub const FEATHER_STRIDE: usize = HEADER_LENGTH + RACHIS_ROWS + CONTOUR_ROWS + SHEEN_TABLE_SIZE;
 /// vec4s (of `u32`) of one card record.
 pub const CARD_VEC4S: usize = 5;
+/// Regions (and rows) that a card record can tell apart; further ones share the last.
+pub const MAX_REGIONS: u32 = 128;
 /// Size of a baked albedo layer.
 const ALBEDO_SIZE: (u32, u32) = (32, 128);
 
@@ -129,6 +131,20 @@ fn pack_feather(
     debug_assert_eq!(rows.len() - start, FEATHER_STRIDE);
 }
 
+/// A direction as two signed 16-bit numbers of the octahedral map (Cigolle et al. 2014).
+fn octahedral(direction: Vec3) -> u32 {
+    let v = direction / direction.abs().element_sum().max(f32::MIN_POSITIVE);
+    let folded = if v.z >= 0.0 {
+        v.truncate()
+    } else {
+        (Vec2::ONE - v.yx().abs()) * Vec2::new(1f32.copysign(v.x), 1f32.copysign(v.y))
+    };
+    let [x, y] = folded
+        .to_array()
+        .map(|c| u32::from((c.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16));
+    x | y << 16
+}
+
 /// Card records; five `vec4<u32>` each.
 pub fn pack_cards(cards: &[Card]) -> Vec<u8> {
     let layers = cards
@@ -162,6 +178,7 @@ pub fn pack_cards(cards: &[Card]) -> Vec<u8> {
         word(
             u32::from(card.feather)
                 | u32::from(card.mirrored) << 16
+                | u32::from(card.region).min(MAX_REGIONS - 1) << 17
                 | ((layer.clamp(0.0, 1.0) * 255.0) as u32) << 24,
         );
         let [r, g, b] = card
@@ -169,7 +186,7 @@ pub fn pack_cards(cards: &[Card]) -> Vec<u8> {
             .map(|t| (t.clamp(0.0, 1.0).sqrt() * 1023.0).round() as u32);
         word(r | g << 10 | b << 20);
         word(card.seed);
-        word(0);
+        word(octahedral(card.normal));
     }
     data
 }

@@ -1,8 +1,10 @@
 //! Dresses every groomed bird: packs its feathers, uploads its cards, gives it a [`FeatherMaterial`].
 
 use super::{
+    cut_out::FeatherPath,
     material::{FeatherMaterial, FeatherSettings, FeatherTransparency},
     pack::{PackedFeathers, pack_cards},
+    wind,
 };
 use crate::{anatomy::Feather, groom::PlumageCards};
 use bevy::{
@@ -25,9 +27,11 @@ impl Plugin for WearPlugin {
                     drop_unworn,
                     wear_feathers,
                     apply_quality,
+                    wind::move_feathers,
                     measure_memory,
                 )
-                    .chain(),
+                    .chain()
+                    .run_if(resource_equals(FeatherPath::Full)),
             );
     }
 }
@@ -187,6 +191,7 @@ fn wear_feathers(
             cards: buffers.add(upload(cards, "feather_cards")),
             lod: buffers.add(upload(lod, "feather_lod")),
             albedo: wear.albedo.clone(),
+            motion: buffers.add(wind::still_motion(worn)),
         };
         commands
             .entity(entity)

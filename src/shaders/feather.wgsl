@@ -1,13 +1,12 @@
 // Colour of a feather's fragment: coverage, masking, fibre scattering per light, environment, sheen, transparency.
 #import bevy_plumage::{
-    anatomy::{barb_root, barbule_factor, canonical_footprint, contour_coverage, hooked, vane_start_coverage},
-    feather_bindings::{albedo_sampler, albedo_texture, contour_at, feather_at, feather_base, rachis_at, settings, sheen_at},
+    feather_bindings::{albedo_sampler, albedo_texture, feather_at, feather_base, rachis_at, settings, sheen_at},
+    feather_cover::{Covered, Frame, cover, frame_of},
     feather_data as data,
+    feather_debug::debug_color,
     feather_io::FeatherVertex,
     feather_lighting as light,
-    feather_pattern::{hash, pattern_threshold},
-    masking::{mask_rachis, mask_vane},
-    query::{Footprint, mirrored, split_rachis, vane_coverage},
+    feather_opacity::{leaves_hole, sample_bits},
     scattering::{
         FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreShading, fibre_energy_split, fibre_evaluate, fibre_local, fibre_parameters,
         fibre_albedo, fibre_row_at, fibre_row_mix, fibre_shading, light_visibility, multiple_scattering,
@@ -28,80 +27,10 @@ const PROXIMAL: u32 = 3u;
 const BATCH: u32 = 4u;
 // A component with less coverage than this is not shaded.
 const LEAST_WEIGHT: f32 = 0.004;
-
-// The card's frame in the world and the eye in it.
-struct Frame {
-    // Along u, along the rachis, out of the front face.
-    across: vec3<f32>,
-    along: vec3<f32>,
-    normal: vec3<f32>,
-    // To the eye, in the world and in this frame.
-    eye: vec3<f32>,
-    local_eye: vec3<f32>,
-}
-
-fn frame_of(in: FeatherVertex) -> Frame {
-    var frame: Frame;
-    frame.normal = normalize(in.world_normal);
-    let tangent = in.world_tangent.xyz - frame.normal * dot(frame.normal, in.world_tangent.xyz);
-    frame.along = tangent * inverseSqrt(max(dot(tangent, tangent), 1e-12));
-    frame.across = cross(frame.normal, frame.along) * select(-1.0, 1.0, in.world_tangent.w > 0.0);
-    frame.eye = light::to_eye(in.world_position);
-    frame.local_eye = vec3(dot(frame.eye, frame.across), dot(frame.eye, frame.along), dot(frame.eye, frame.normal));
-    return frame;
-}
-
-// Coverage of the footprint by rachis, barbs, distal and proximal barbules, and the vane that has most of it.
-struct Covered {
-    weights: vec4<f32>,
-    right: bool,
-}
-
-fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape: vec4<f32>, level: u32) -> vec3<f32> {
-    let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
-    let angles = feather_at(slot);
-    let last = feather_at(slot + 2u);
-    let vane = data::vane_unpack(angles, feather_at(slot + 1u), last);
-    // The right vane is the left one mirrored.
-    let side = select(1.0, -1.0, right);
-    var leftward = footprint;
-    if (right) { leftward = mirrored(footprint); }
-    let cell = mask_vane(vane, frame.local_eye * vec3(side, 1.0, 1.0));
-    // Angle of the barbs in radians.
-    let angle = last.w;
-    let root = barb_root(footprint.mean, angle);
-    let contour = contour_at(base, shape.z, root);
-    let reach = select(contour.xz, contour.yw, right);
-    let inside = contour_coverage(footprint.mean, footprint.covariance, reach.x, reach.y, angle)
-        * vane_start_coverage(footprint.mean, footprint.covariance, shape.z, angle);
-    if (inside < 1e-3) {
-        return vec3(0.0);
-    }
-    let covered = vane_coverage(cell, vane, leftward, level, settings.threshold);
-    let hook = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
-    return inside * vec3(covered.x, covered.yz * hook);
-}
-
-fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u32) -> Covered {
-    let rachis = rachis_at(base, in.uv.y);
-    let canonical = canonical_footprint(in.uv, dpdx(in.uv), dpdy(in.uv), rachis.x, rachis.y, shape.x);
-    let split = split_rachis(Footprint(canonical.mean, canonical.cov), mask_rachis(rachis.z, frame.local_eye));
-    var covered: Covered;
-    covered.right = split.right_mass > split.left_mass;
-    // The shaft ends where the card does.
-    covered.weights.x = split.rachis * smoothstep(1.0, 0.99, in.uv.y);
-    var vanes = vec3(0.0);
-    if (split.left_mass > 1e-3) {
-        vanes += split.left_mass * cover_vane(base, false, split.left, frame, shape, level);
-    }
-    if (split.right_mass > 1e-3) {
-        vanes += split.right_mass * cover_vane(base, true, split.right, frame, shape, level);
-    }
-    covered.weights = vec4(covered.weights.x, vanes);
-    let total = dot(covered.weights, vec4(1.0));
-    covered.weights = max(covered.weights, vec4(0.0)) / max(total, 1.0);
-    return covered;
-}
+// DebugView::Lobe.
+const LOBE_VIEW: u32 = 7u;
+// What a fragment adds in the overdraw view: sixteen make white.
+const OVERDRAW_STEP: f32 = 0.0625;
 
 // Direction of a component's fibres in the plane of the card, then in the world (the map shears along a curved rachis).
 fn fibre_tangent(part: u32, angles: vec4<f32>, right: bool, slope: f32, aspect: f32, frame: Frame) -> vec3<f32> {
@@ -143,28 +72,15 @@ fn albedo_of(in: FeatherVertex, feather: u32, front: bool) -> vec3<f32> {
     return mix(texel.rgb, tint_of(in.card.y), texel.a);
 }
 
-fn debug_color(in: FeatherVertex, covered: Covered, frame: Frame) -> vec3<f32> {
-    switch settings.debug_view {
-        case 1u: { return vec3(covered.weights.x + covered.weights.y, covered.weights.z, covered.weights.w); }
-        case 2u: {
-            let level = in.card.w & 7u;
-            return select(
-                vec3(f32(level == data::CARD_NEAR), f32(level == data::CARD_FAR), f32(level == data::CARD_MEAN)),
-                vec3(1.0),
-                level == data::CARD_MIXED,
-            );
-        }
-        case 3u: {
-            let h = hash(in.card.w >> 3u);
-            return vec3(f32(h & 255u), f32((h >> 8u) & 255u), f32((h >> 16u) & 255u)) / 255.0;
-        }
-        case 4u: { return vec3(data::card_layer(in.card.x)); }
-        default: { return frame.normal * 0.5 + 0.5; }
-    }
+struct FeatherColor {
+    @location(0) color: vec4<f32>,
+#ifdef SAMPLE_COVERAGE
+    @builtin(sample_mask) samples: u32,
+#endif
 }
 
 @fragment
-fn fragment(in: FeatherVertex) -> @location(0) vec4<f32> {
+fn fragment(in: FeatherVertex) -> FeatherColor {
     let feather = data::card_feather(in.card.x);
     let base = feather_base(feather);
     let shape = feather_at(base + data::SHAPE);
@@ -173,26 +89,35 @@ fn fragment(in: FeatherVertex) -> @location(0) vec4<f32> {
     let albedo = albedo_of(in, feather, front);
     let covered = cover(in, base, shape, frame, in.card.w & 7u);
     let opacity = dot(covered.weights, vec4(1.0));
-    if (opacity < 1.0 / 255.0) {
+    if (leaves_hole(in, opacity, shape.x)) {
         discard;
     }
+    var out: FeatherColor;
+#ifdef SAMPLE_COVERAGE
+    out.samples = sample_bits(in, opacity);
+#endif
+#ifdef OVERDRAW
+    out.color = vec4(vec3(OVERDRAW_STEP), 0.0);
+#else
     var color: vec3<f32>;
     if (settings.debug_view != 0u) {
-        color = debug_color(in, covered, frame);
+        color = debug_color(settings.debug_view, in, base, shape, covered, frame);
+        if (settings.debug_view == LOBE_VIEW) {
+            color = lobe_color(in, base, shape, frame, covered, albedo);
+        }
     } else {
         color = shade(in, base, shape, frame, covered, albedo) / opacity;
     }
-    var alpha = opacity;
-#ifdef ALPHA_TO_COVERAGE
-    if (settings.dither != 0u) {
-        // Four samples make five steps of alpha; the pattern spreads the rounding, so that the mean is right.
-        alpha = clamp(alpha + (pattern_threshold(in.position.xy, in.card.w >> 3u) - 0.5) * 0.25, 0.0, 1.0);
-    }
+#ifdef BLENDED
+    let alpha = opacity;
+#else
+    let alpha = 1.0;
 #endif
-    let out = light::finish(vec4(color, alpha), in.world_position, in.position);
+    out.color = light::finish(vec4(color, alpha), in.world_position, in.position);
 #ifdef OIT_ENABLED
-    oit_draw(in.position, out);
+    oit_draw(in.position, out.color);
     discard;
+#endif
 #endif
     return out;
 }
@@ -258,6 +183,25 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
         }
     }
     return max(sum, vec3(0.0)) * light::exposure();
+}
+
+// Where the energy of the fibres goes: surface reflection red, back to the eye's side green, through the feather blue.
+fn lobe_color(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: Covered, albedo: vec3<f32>) -> vec3<f32> {
+    let angles = feather_at(base + select(data::LEFT_VANE, data::RIGHT_VANE, covered.right));
+    let slope = rachis_at(base, in.uv.y).y;
+    let shares = feather_at(base + data::SHARES);
+    var sum = vec3(0.0);
+    for (var part = 0u; part < 4u; part++) {
+        let weight = covered.weights[part];
+        if (weight < LEAST_WEIGHT) {
+            continue;
+        }
+        let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x, frame);
+        let painted = min(albedo * shares[part], vec3(0.98));
+        let energy = fibre_energy_split(shade_part(base, part, tangent, frame, painted, shape.w, 3u));
+        sum += weight * vec3(3.0 * energy.specular, dot(energy.front, vec3(1.0)), dot(energy.back, vec3(1.0)));
+    }
+    return sum / max(max(sum.x, sum.y), max(sum.z, 1e-6));
 }
 
 // Width over period of a family of fibres, seen along the normal.

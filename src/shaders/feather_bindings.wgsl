@@ -20,6 +20,9 @@ struct FeatherSettings {
 @group(#{MATERIAL_BIND_GROUP}) @binding(3) var<storage, read> lod: array<u32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(4) var albedo_texture: texture_2d_array<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(5) var albedo_sampler: sampler;
+// Wind and ruffle, now and then a frame ago (twin of src/render/wind.rs): (direction, speed), (gusts, eddy size, eddy frequency,
+// regions), then (lift, compliance, limit, yaw) of each region.
+@group(#{MATERIAL_BIND_GROUP}) @binding(6) var<storage, read> motion: array<vec4<f32>>;
 
 fn feather_at(index: u32) -> vec4<f32> {
     return feathers[min(index, arrayLength(&feathers) - 1u)];

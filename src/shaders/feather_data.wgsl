@@ -37,14 +37,26 @@ struct Card {
     width: f32,
     joints: vec4<u32>,
     weights: vec4<f32>,
-    // Index of the feather in bits 0..15, the mirrored flag in bit 16, layer in bits 24..31.
+    // Index of the feather in bits 0..15, the mirrored flag in bit 16, region in bits 17..23, layer in bits 24..31.
     feather: u32,
     tint: u32,
     seed: u32,
+    // Of the front face at the root.
+    normal: vec3<f32>,
 }
 
 fn card_feather(bits: u32) -> u32 { return bits & 0xffffu; }
+fn card_region(bits: u32) -> u32 { return (bits >> 17u) & 0x7fu; }
 fn card_layer(bits: u32) -> f32 { return f32(bits >> 24u) / 255.0; }
+
+// A direction from the two numbers of the octahedral map (Cigolle et al. 2014).
+fn octahedral(p: vec2<f32>) -> vec3<f32> {
+    var v = vec3(p, 1.0 - abs(p.x) - abs(p.y));
+    if (v.z < 0.0) {
+        v = vec3((1.0 - abs(p.yx)) * select(vec2(-1.0), vec2(1.0), p >= vec2(0.0)), v.z);
+    }
+    return normalize(v);
+}
 
 fn card_decode(a: vec4<u32>, b: vec4<u32>, c: vec4<u32>, d: vec4<u32>, e: vec4<u32>) -> Card {
     var card: Card;
@@ -59,6 +71,7 @@ fn card_decode(a: vec4<u32>, b: vec4<u32>, c: vec4<u32>, d: vec4<u32>, e: vec4<u
     card.feather = e.x;
     card.tint = e.y;
     card.seed = e.z;
+    card.normal = octahedral(unpack2x16snorm(e.w));
     return card;
 }
 

@@ -1,8 +1,24 @@
-// What the vertex stage hands to the fragment stage.
+// What the vertex stage takes, and what it hands to the fragment stage of the colour, depth and shadow passes.
 #define_import_path bevy_plumage::feather_io
 
+// The same locations in every pass, see FeatherMaterial::specialize.
+struct CardVertex {
+    @builtin(instance_index) instance_index: u32,
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) uv: vec2<f32>,
+    // x: card.
+    @location(3) uv_b: vec2<f32>,
+    @location(4) tangent: vec4<f32>,
+#ifdef SKINNED
+    @location(5) joint_indices: vec4<u32>,
+    @location(6) joint_weights: vec4<f32>,
+#endif
+}
+
 struct FeatherVertex {
-    @builtin(position) position: vec4<f32>,
+    // Depth prepass and colour pass must agree to the last bit.
+    @invariant @builtin(position) position: vec4<f32>,
     @location(0) world_position: vec4<f32>,
     @location(1) world_normal: vec3<f32>,
     @location(2) uv: vec2<f32>,
@@ -11,14 +27,15 @@ struct FeatherVertex {
     // Feather bits, tint, seed, (class | card << 3).
     @location(4) @interpolate(flat) card: vec4<u32>,
     @location(5) @interpolate(flat) instance_index: u32,
-}
-
-struct FeatherPrepassVertex {
-    @builtin(position) position: vec4<f32>,
-    @location(0) uv: vec2<f32>,
-    // Feather bits, card.
-    @location(1) @interpolate(flat) card: vec2<u32>,
+#ifdef VISIBILITY_RANGE_DITHER
+    @location(6) @interpolate(flat) visibility_range_dither: i32,
+#endif
+#ifdef PREPASS_PIPELINE
+#ifdef MOTION_VECTOR_PREPASS
+    @location(7) previous_world_position: vec4<f32>,
+#endif
 #ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION
-    @location(6) unclipped_depth: f32,
+    @location(8) unclipped_depth: f32,
+#endif
 #endif
 }

@@ -11,6 +11,7 @@
     pbr_functions,
     shadows,
 }
+#import bevy_plumage::feather_view as around
 #ifdef TONEMAP_IN_SHADER
 #import bevy_core_pipeline::tonemapping::tone_mapping
 #endif
@@ -68,7 +69,10 @@ fn directional_light(f: Fragment, index: u32) -> Light {
     if (f.receives_shadow && ((*source).flags & mesh_view_types::DIRECTIONAL_LIGHT_FLAGS_SHADOWS_ENABLED_BIT) != 0u) {
         shadow = shadows::fetch_directional_shadow(index, f.position, lit_side(f, light.direction), f.view_z, f.frag_coord.xy);
     }
-    light.color = (*source).color.rgb * shadow;
+    let near = f.receives_shadow && ((*source).flags & mesh_view_types::DIRECTIONAL_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT) != 0u;
+    shadow *= around::contact_shadow(f.position.xyz, f.frag_coord.xy, light.direction, near && shadow > 0.0);
+    light.color = (*source).color.rgb * shadow
+        * around::atmosphere_transmittance(f.position.xyz, light.direction, (*source).sun_disk_angular_size);
     return light;
 }
 
@@ -106,6 +110,8 @@ fn clustered_light(f: Fragment, index: u32, is_spot: bool) -> Light {
     } else if (shadowed) {
         attenuation *= shadows::fetch_point_shadow(id, f.position, lit_side(f, light.direction), f.frag_coord.xy);
     }
+    let near = f.receives_shadow && ((*source).flags & mesh_view_types::POINT_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT) != 0u;
+    attenuation *= around::contact_shadow(f.position.xyz, f.frag_coord.xy, light.direction, near && attenuation > 0.0);
     light.color = (*source).color_inverse_square_range.rgb * attenuation;
     return light;
 }
@@ -115,6 +121,8 @@ struct Lights {
     directional: u32,
     // First point light, first spot light, end.
     clustered: vec3<u32>,
+    // Directional and clustered ones; rectangles follow.
+    single: u32,
     count: u32,
 }
 
@@ -122,13 +130,18 @@ fn lights_of(f: Fragment) -> Lights {
     var lights: Lights;
     lights.directional = directional_count();
     lights.clustered = clustered_range(f);
-    lights.count = lights.directional + lights.clustered.z - min(lights.clustered.x, lights.clustered.z);
+    lights.single = lights.directional + lights.clustered.z - min(lights.clustered.x, lights.clustered.z);
+    lights.count = lights.single + around::rect_count();
     return lights;
 }
 
 fn light_at(f: Fragment, lights: Lights, index: u32) -> Light {
     if (index < lights.directional) {
         return directional_light(f, index);
+    }
+    if (index >= lights.single) {
+        let found = around::rect_sample(f.position.xyz, index - lights.single);
+        return Light(found.direction, found.irradiance);
     }
     let at = lights.clustered.x + index - lights.directional;
     return clustered_light(f, at, at >= lights.clustered.y);
@@ -155,9 +168,14 @@ fn environment(f: Fragment, normal: vec3<f32>, direction: vec3<f32>, roughness: 
     result.irradiance = found.irradiance;
     result.radiance = found.radiance;
 #endif
+    let here = clustered_forward::view_fragment_cluster_index(f.frag_coord.xy, f.view_z, is_orthographic());
+    result.irradiance = around::surrounding_irradiance(result.irradiance, f.position.xyz, normal, here);
     // Bevy's flat ambient light, in the same unit.
     result.irradiance += vb::lights.ambient_color.rgb;
     result.radiance += vb::lights.ambient_color.rgb;
+    let open = around::open_share(f.frag_coord.xy);
+    result.irradiance *= open;
+    result.radiance *= open;
     return result;
 }
 

@@ -16,6 +16,8 @@ struct LodParams {
 const NO_SKIN: u32 = 0xffffffffu;
 // A pixel's Gaussian: half a pixel of standard deviation along each screen axis.
 const PIXEL_SIGMA: f32 = 0.5;
+// Reach of wind and ruffle together: half the largest angle of a tip, over the length.
+const BENDING: f32 = 0.25;
 // A footprint longer than this many times its width counts as this long.
 const MAX_ASPECT: f32 = 16.0;
 
@@ -68,7 +70,8 @@ fn classify_card(index: u32) -> u32 {
     // The largest stretch of the matrix bounds the sphere; the stretch along the rachis scales the feather.
     let stretch = max(length(world_from_local[0].xyz), max(length(world_from_local[1].xyz), length(world_from_local[2].xyz)));
     let radius = card.radius * stretch;
-    if (outside(center, radius)) {
+    // Wind and ruffle carry a tip at most this far off.
+    if (outside(center, radius + BENDING * card.length * stretch)) {
         return data::CARD_CULLED;
     }
     let feather_length = max(length((world_from_local * vec4(card.along, 0.0)).xyz) * card.length, 1e-9);

@@ -14,3 +14,36 @@ fn pattern_threshold(pixel: vec2<f32>, card: u32) -> f32 {
     let shift = f32(hash(card) >> 8u) / 16777216.0;
     return clamp(fract(gradient + shift), 0.002, 0.998);
 }
+
+// `samples` bits of which alpha x samples are set, their mean over the thresholds exactly that; which ones depends on `turn`,
+// so that feathers behind each other do not all leave the same samples open.
+fn sample_mask(alpha: f32, threshold: f32, turn: u32, samples: u32) -> u32 {
+    let count = min(u32(max(alpha, 0.0) * f32(samples) + threshold), samples);
+    let all = (1u << samples) - 1u;
+    let bits = (1u << count) - 1u;
+    let by = turn % samples;
+    return ((bits << by) | (bits >> (samples - by))) & all;
+}
+
+fn cell_value(cell: vec2<f32>, seed: u32) -> f32 {
+    let i = vec2<i32>(cell);
+    return f32(hash(bitcast<u32>(i.x) ^ hash(bitcast<u32>(i.y) ^ seed)) >> 8u) / 16777216.0;
+}
+
+// A threshold in (0, 1), even over the cells of a lattice on the card about a pixel wide: it moves with the card, not with the
+// screen (Wyman and McGuire 2017, "Hashed Alpha Testing", Sec. 4).
+fn hashed_threshold(point: vec2<f32>, dx: vec2<f32>, dy: vec2<f32>, seed: u32) -> f32 {
+    let step = max(max(length(dx), length(dy)), 1e-9);
+    let level = -log2(step);
+    let fine = exp2(ceil(level));
+    let coarse = exp2(floor(level));
+    let f = level - floor(level);
+    let x = mix(cell_value(floor(point * coarse), seed), cell_value(floor(point * fine), hash(seed)), f);
+    // A mix of two even values is not even: its distribution function makes it so.
+    let m = max(min(f, 1.0 - f), 1e-4);
+    let scale = 1.0 / (2.0 * m * (1.0 - m));
+    var even = (x - 0.5 * m) / (1.0 - m);
+    if (x < m) { even = x * x * scale; }
+    if (x > 1.0 - m) { even = 1.0 - (1.0 - x) * (1.0 - x) * scale; }
+    return clamp(even, 0.002, 0.998);
+}

@@ -7,7 +7,7 @@ use bevy::{asset::embedded_asset, prelude::*, shader::load_shader_library};
 pub const FEATHER_VERTEX: &str = "embedded://bevy_plumage/shaders/feather_vertex.wgsl";
 /// Colour of a fragment.
 pub const FEATHER: &str = "embedded://bevy_plumage/shaders/feather.wgsl";
-/// Silhouette of a fragment, for shadow maps.
+/// Vertex function and silhouette of the depth prepass and of shadow maps.
 pub const FEATHER_PREPASS: &str = "embedded://bevy_plumage/shaders/feather_prepass.wgsl";
 /// Classification of cards.
 pub const FEATHER_LOD: &str = "embedded://bevy_plumage/shaders/feather_lod.wgsl";
@@ -24,7 +24,13 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "sheen.wgsl");
         load_shader_library!(app, "feather_data.wgsl");
         load_shader_library!(app, "feather_io.wgsl");
+        load_shader_library!(app, "wind.wgsl");
         load_shader_library!(app, "feather_pattern.wgsl");
+        load_shader_library!(app, "feather_cover.wgsl");
+        load_shader_library!(app, "feather_opacity.wgsl");
+        load_shader_library!(app, "feather_place.wgsl");
+        load_shader_library!(app, "feather_debug.wgsl");
+        load_shader_library!(app, "feather_view.wgsl");
         load_shader_library!(app, "feather_bindings.wgsl");
         load_shader_library!(app, "feather_lighting.wgsl");
         embedded_asset!(app, "feather_vertex.wgsl");

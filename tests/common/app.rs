@@ -16,6 +16,7 @@ use bevy::{
         pipelined_rendering::PipelinedRenderingPlugin,
         render_resource::{PollType, TextureFormat, TextureUsages},
         renderer::RenderDevice,
+        settings::{RenderCreation, WgpuSettings},
         view::screenshot::{Screenshot, ScreenshotCaptured},
     },
     time::TimeUpdateStrategy,
@@ -35,7 +36,8 @@ pub const SIZE: u32 = 96;
 pub struct Stage {
     /// The app.
     pub app: App,
-    image: Handle<Image>,
+    /// What the camera draws to.
+    pub image: Handle<Image>,
     /// The camera.
     pub camera: Entity,
 }
@@ -43,6 +45,11 @@ pub struct Stage {
 impl Stage {
     /// None without an adapter, with a word on stderr.
     pub fn new() -> Option<Self> {
+        Self::with(WgpuSettings::default(), |_| {})
+    }
+
+    /// With these settings of the device, and an app that `build` has had a hand in before it starts.
+    pub fn with(settings: WgpuSettings, build: impl FnOnce(&mut App)) -> Option<Self> {
         super::gpu::adapter_name()?;
         let mut app = App::new();
         app.add_plugins((
@@ -58,6 +65,7 @@ impl Stage {
                 })
                 .set(RenderPlugin {
                     synchronous_pipeline_compilation: true,
+                    render_creation: RenderCreation::Automatic(Box::new(settings)),
                     ..default()
                 })
                 .disable::<WinitPlugin>()
@@ -69,6 +77,7 @@ impl Stage {
             16,
         )))
         .insert_resource(ClearColor(Color::BLACK));
+        build(&mut app);
         while app.plugins_state() == PluginsState::Adding {
             bevy::tasks::tick_global_task_pools_on_main_thread();
         }

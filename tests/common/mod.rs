@@ -3,4 +3,6 @@
 
 pub mod app;
 pub mod gpu;
+pub mod stack;
 pub mod sweep;
+pub mod view;

@@ -5,6 +5,7 @@
 
 mod pass;
 
+use super::cut_out::FeatherPath;
 use bevy::{
     core_pipeline::{Core3d, Core3dSystems},
     prelude::*,
@@ -25,7 +26,11 @@ impl Plugin for LodPlugin {
         };
         render_app
             .init_gpu_resource::<pass::LodBirds>()
-            .add_systems(RenderStartup, pass::init_lod_pipeline)
+            .add_systems(
+                RenderStartup,
+                pass::init_lod_pipeline
+                    .run_if(not(resource_exists_and_equals(FeatherPath::CutOut))),
+            )
             .add_systems(ExtractSchedule, pass::extract_birds)
             .add_systems(
                 Render,
@@ -33,9 +38,8 @@ impl Plugin for LodPlugin {
             )
             .add_systems(
                 Core3d,
-                pass::feather_lod
-                    .after(Core3dSystems::Prepass)
-                    .before(Core3dSystems::MainPass),
+                // The prepass already asks for the classes.
+                pass::feather_lod.before(Core3dSystems::Prepass),
             );
     }
 }

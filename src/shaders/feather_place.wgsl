@@ -1,0 +1,116 @@
+// Where the vertices of a card are, in every pass: bent by wind and ruffle, then carried by the skeleton.
+#define_import_path bevy_plumage::feather_place
+#import bevy_pbr::{mesh_functions, mesh_view_bindings::view, skinning, view_transformations::position_world_to_clip}
+#import bevy_plumage::{
+    feather_bindings::{cards, lod, motion},
+    feather_data as data,
+    feather_io::{CardVertex, FeatherVertex},
+    wind::{Breeze, turned_by, wind_lift, wind_velocity},
+}
+
+fn motion_at(row: u32) -> vec4<f32> {
+    return motion[min(row, arrayLength(&motion) - 1u)];
+}
+
+fn card_at(vertex: CardVertex) -> u32 {
+    return min(u32(max(vertex.uv_b.x, 0.0) + 0.5), arrayLength(&cards) / data::CARD_LENGTH - 1u);
+}
+
+fn world_from_card(vertex: CardVertex) -> mat4x4<f32> {
+#ifdef SKINNED
+    return skinning::skin_model(vertex.joint_indices, vertex.joint_weights, vertex.instance_index);
+#else
+    return mesh_functions::get_world_from_local(vertex.instance_index);
+#endif
+}
+
+fn previous_world_from_card(vertex: CardVertex) -> mat4x4<f32> {
+#ifdef SKINNED
+#ifdef HAS_PREVIOUS_SKIN
+    return skinning::skin_prev_model(vertex.joint_indices, vertex.joint_weights, vertex.instance_index);
+#else
+    return skinning::skin_model(vertex.joint_indices, vertex.joint_weights, vertex.instance_index);
+#endif
+#else
+    return mesh_functions::get_previous_world_from_local(vertex.instance_index);
+#endif
+}
+
+// Turn of the card's tip as a rotation vector in the mesh's own space; zero when nothing moves it. `first`: row of the motion
+// table, 0 now, half its length a frame ago.
+fn tip_turn(card: data::Card, first: u32, world_from_local: mat4x4<f32>, time: f32) -> vec3<f32> {
+    let air = motion_at(first);
+    let eddies = motion_at(first + 1u);
+    let region = motion_at(first + 2u + min(data::card_region(card.feather), max(u32(eddies.w), 1u) - 1u));
+    var lift = region.x;
+    if (air.w + eddies.x > 0.0) {
+        let breeze = Breeze(air.xyz, air.w, eddies.x, eddies.y, eddies.z);
+        let root = (world_from_local * vec4(card.root, 1.0)).xyz;
+        let along = (world_from_local * vec4(card.along, 0.0)).xyz;
+        let stretch = max(length(along), 1e-9);
+        let normal = (world_from_local * vec4(card.normal, 0.0)).xyz;
+        let wind = wind_velocity(breeze, root, time);
+        lift += wind_lift(wind, along / stretch, normal / max(length(normal), 1e-9), stretch * card.length, region.y, region.z);
+    }
+    if (lift == 0.0) {
+        return vec3(0.0);
+    }
+    let yaw = region.w * (f32(card.seed & 0xffffu) / 32767.5 - 1.0);
+    return cross(card.along, card.normal) * lift + card.normal * yaw;
+}
+
+// The place of a vertex at share `v` of the rachis: the shaft bends as an arc, so its chord turns half as far as its tip.
+fn bent(position: vec3<f32>, root: vec3<f32>, turn: vec3<f32>, v: f32) -> vec3<f32> {
+    if (all(turn == vec3(0.0))) {
+        return position;
+    }
+    return root + turned_by(position - root, turn * (0.5 * v));
+}
+
+// `time` and `step`: seconds now and since the frame before.
+fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
+    var out: FeatherVertex;
+    let index = card_at(vertex);
+    let at = index * data::CARD_LENGTH;
+    let card = data::card_decode(cards[at], cards[at + 1u], cards[at + 2u], cards[at + 3u], cards[at + 4u]);
+    let level = lod[min(index, arrayLength(&lod) - 1u)];
+    out.card = vec4(card.feather, card.tint, card.seed, level | (index << 3u));
+    out.uv = vertex.uv;
+    out.instance_index = vertex.instance_index;
+#ifndef PREPASS_PIPELINE
+    if (level == data::CARD_CULLED) {
+        // All corners on one point outside the view: no pixels.
+        out.position = vec4(2.0, 2.0, 0.5, 1.0);
+        return out;
+    }
+#endif
+    let world_from_local = world_from_card(vertex);
+    let turn = tip_turn(card, 0u, world_from_local, time);
+    let tangent_turn = turn * vertex.uv.y;
+    out.world_position = world_from_local * vec4(bent(vertex.position, card.root, turn, vertex.uv.y), 1.0);
+    out.position = position_world_to_clip(out.world_position.xyz);
+    let normal = turned_by(vertex.normal, tangent_turn);
+    let tangent = vec4(turned_by(vertex.tangent.xyz, tangent_turn), vertex.tangent.w);
+#ifdef SKINNED
+    out.world_normal = skinning::skin_normals(world_from_local, normal);
+#else
+    out.world_normal = mesh_functions::mesh_normal_local_to_world(normal, vertex.instance_index);
+#endif
+    out.world_tangent = mesh_functions::mesh_tangent_local_to_world(world_from_local, tangent, vertex.instance_index);
+#ifdef VISIBILITY_RANGE_DITHER
+    out.visibility_range_dither = mesh_functions::get_visibility_range_dither_level(
+        vertex.instance_index, mesh_functions::get_world_from_local(vertex.instance_index)[3]);
+#endif
+#ifdef PREPASS_PIPELINE
+#ifdef MOTION_VECTOR_PREPASS
+    let before = previous_world_from_card(vertex);
+    let turn_before = tip_turn(card, arrayLength(&motion) / 2u, before, time - step);
+    out.previous_world_position = before * vec4(bent(vertex.position, card.root, turn_before, vertex.uv.y), 1.0);
+#endif
+#ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION
+    out.unclipped_depth = out.position.z;
+    out.position.z = min(out.position.z, 1.0);
+#endif
+#endif
+    return out;
+}

@@ -1,0 +1,162 @@
+//! Colour, depth, normal, motion and shadow passes draw the same feathers.
+
+mod common;
+
+use bevy::{
+    camera::visibility::RenderLayers,
+    core_pipeline::prepass::{DepthPrepass, MotionVectorPrepass, NormalPrepass},
+    light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap, ShadowFilteringMethod},
+    prelude::*,
+    render::settings::WgpuSettings,
+};
+use bevy_plumage::prelude::*;
+use common::{
+    app::Stage,
+    view::{
+        Shown, darken, frames, hang_sheet, mean_color, orthographic, showing, silhouettes_differ,
+        spawn_patch, with_sheets,
+    },
+};
+
+/// Share of each pixel that feathers cover: they are black (their only layer) on white.
+fn covered(stage: &mut Stage) -> Vec<f32> {
+    stage.app.insert_resource(ClearColor(Color::WHITE));
+    frames(stage, 2);
+    let picture = stage.picture();
+    stage.app.insert_resource(ClearColor(Color::BLACK));
+    picture.iter().map(|p| 1.0 - p[0]).collect()
+}
+
+fn shown(stage: &mut Stage, what: Shown) -> Vec<[f32; 3]> {
+    let sheet = hang_sheet(stage, what);
+    frames(stage, 3);
+    let picture = stage.picture();
+    stage.app.world_mut().entity_mut(sheet).despawn();
+    picture
+}
+
+fn share(values: &[f32]) -> f32 {
+    values.iter().sum::<f32>() / values.len() as f32
+}
+
+/// Where a wall behind the feathers is in their shadow, seen by a camera that does not see the feathers.
+fn shadow(stage: &mut Stage) -> Vec<f32> {
+    let camera = stage.camera;
+    let world = stage.app.world_mut();
+    let mesh = world
+        .resource_mut::<Assets<Mesh>>()
+        .add(Rectangle::new(1.0, 1.0));
+    let material = world
+        .resource_mut::<Assets<StandardMaterial>>()
+        .add(StandardMaterial {
+            perceptual_roughness: 1.0,
+            reflectance: 0.0,
+            ..default()
+        });
+    let wall = world
+        .spawn((
+            Mesh3d(mesh),
+            MeshMaterial3d(material),
+            Transform::from_xyz(0.0, 0.0, -0.1),
+            RenderLayers::layer(1),
+        ))
+        .id();
+    let sun = world
+        .spawn((
+            DirectionalLight {
+                illuminance: 4000.0,
+                shadow_maps_enabled: true,
+                shadow_depth_bias: 0.0,
+                shadow_normal_bias: 0.0,
+                ..default()
+            },
+            CascadeShadowConfigBuilder {
+                num_cascades: 1,
+                minimum_distance: 0.05,
+                maximum_distance: 1.0,
+                ..default()
+            }
+            .build(),
+            Transform::from_xyz(0.0, 0.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
+            RenderLayers::from_layers(&[0, 1]),
+        ))
+        .id();
+    world
+        .entity_mut(camera)
+        .insert((RenderLayers::layer(1), ShadowFilteringMethod::Hardware2x2));
+    frames(stage, 3);
+    let picture = stage.picture();
+    let world = stage.app.world_mut();
+    world.entity_mut(wall).despawn();
+    world.entity_mut(sun).despawn();
+    world.entity_mut(camera).remove::<RenderLayers>();
+    let lit = picture.iter().map(|p| p[0]).fold(0.0, f32::max);
+    assert!(lit > 0.05, "the wall is dark: {lit}");
+    picture.iter().map(|p| 1.0 - p[0] / lit).collect()
+}
+
+#[test]
+fn silhouettes_agree_in_colour_depth_and_shadow() {
+    let Some(mut stage) = Stage::with(WgpuSettings::default(), with_sheets) else {
+        return;
+    };
+    darken(&mut stage);
+    stage
+        .app
+        .insert_resource(DirectionalLightShadowMap { size: 1024 });
+    let camera = stage.camera;
+    stage.app.world_mut().entity_mut(camera).insert((
+        orthographic(),
+        DepthPrepass,
+        NormalPrepass,
+        MotionVectorPrepass,
+    ));
+    let bird = spawn_patch(
+        &mut stage,
+        60,
+        Vec3::ZERO,
+        showing(DebugView::Layer, FeatherTransparency::AlphaToCoverage),
+    );
+    stage.settle();
+    let (mut worst, mut report) = (0.0f32, String::new());
+    for (msaa, transparency) in [
+        (Msaa::Sample4, FeatherTransparency::AlphaToCoverage),
+        (Msaa::Off, FeatherTransparency::AlphaToCoverage),
+        (Msaa::Off, FeatherTransparency::Hashed),
+    ] {
+        stage.app.world_mut().entity_mut(camera).insert(msaa);
+        stage
+            .app
+            .world_mut()
+            .entity_mut(bird)
+            .insert(showing(DebugView::Layer, transparency));
+        frames(&mut stage, 3);
+        let colour = covered(&mut stage);
+        let depth: Vec<f32> = shown(&mut stage, Shown::Depth)
+            .iter()
+            .map(|p| p[0])
+            .collect();
+        let shadow = shadow(&mut stage);
+        assert!((0.05..0.95).contains(&share(&colour)), "{}", share(&colour));
+        let off = [
+            silhouettes_differ(&colour, &depth),
+            silhouettes_differ(&colour, &shadow),
+            (share(&colour) - share(&depth)).abs(),
+            (share(&colour) - share(&shadow)).abs(),
+        ];
+        report += &format!("{msaa:?} {transparency:?}: {off:?}\n");
+        worst = off.into_iter().fold(worst, f32::max);
+        let normals = shown(&mut stage, Shown::Normal);
+        let inside: Vec<[f32; 3]> = (0..normals.len())
+            .filter(|i| depth[*i] > 0.99)
+            .map(|i| normals[i])
+            .collect();
+        let [x, y, z] = mean_color(&inside);
+        assert!(
+            z > 0.9 && (x - 0.5).abs() < 0.2 && (y - 0.5).abs() < 0.3,
+            "normals {x} {y} {z}"
+        );
+    }
+    println!("{report}");
+    assert!(worst < 0.01, "silhouettes differ:\n{report}");
+}
