@@ -83,16 +83,16 @@ fn spawn(
         // Every feather is shown as long as a primary, so that the shots fit.
         let length = 0.31;
         let width = length * feather.aspect;
-        let mut quality = FeatherQuality {
-            // One card needs no sorting: blend it, for every step of coverage that there is.
-            transparency: FeatherTransparency::Blend,
-            ..default()
-        };
-        quality.settings.debug_view = args.view.into();
+        // One card needs no sorting: blend it, for every step of coverage that there is.
+        let mut quality = args.quality(FeatherTransparency::Blend);
         quality.settings.shelter = 0.0;
         commands.entity(entity).remove::<Waiting>().insert((
             Mesh3d(meshes.add(card_mesh(length, width))),
             quality,
+            Ruffle {
+                amount: args.ruffle,
+                ..default()
+            },
             PlumageCards {
                 cards: [card(length, width)].into(),
                 geometry: [CardGeometry {

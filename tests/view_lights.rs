@@ -5,13 +5,10 @@ mod common;
 use bevy::{
     core_pipeline::prepass::DepthPrepass,
     light::{
-        Atmosphere, AtmosphereEnvironmentMapLight, CascadeShadowConfigBuilder, EnvironmentMapLight,
-        FogVolume, GlobalAmbientLight, IrradianceVolume, NotShadowReceiver, ShadowFilteringMethod,
-        VolumetricFog, VolumetricLight, atmosphere::ScatteringMedium,
+        CascadeShadowConfigBuilder, EnvironmentMapLight, FogVolume, GlobalAmbientLight,
+        IrradianceVolume, NotShadowReceiver, ShadowFilteringMethod, VolumetricFog, VolumetricLight,
     },
-    pbr::{
-        AtmosphereSettings, ContactShadows, DistanceFog, FogFalloff, ScreenSpaceAmbientOcclusion,
-    },
+    pbr::{ContactShadows, DistanceFog, FogFalloff, ScreenSpaceAmbientOcclusion},
     prelude::*,
     render::render_resource::Extent3d,
 };
@@ -408,60 +405,4 @@ fn screen_space_shadows_occlusion_and_fog_reach_feathers() {
         occluded < 0.99 * open && occluded > 0.4 * open,
         "occlusion: {occluded} {open}"
     );
-}
-
-#[test]
-fn an_atmosphere_colours_the_sun_and_lights_feathers() {
-    let Some((mut stage, _)) = stage() else {
-        return;
-    };
-    let camera = stage.camera;
-    let evening = Transform::default().looking_to(Vec3::new(0.0, -0.03, -1.0), Vec3::Y);
-    let sun = DirectionalLight {
-        illuminance: 3000.0,
-        ..default()
-    };
-    stage.app.world_mut().spawn((sun, evening));
-    frames(&mut stage, 3);
-    let clear = middle(&stage.picture());
-    let medium = stage
-        .app
-        .world_mut()
-        .resource_mut::<Assets<ScatteringMedium>>()
-        .add(ScatteringMedium::earth(64, 64));
-    stage.app.world_mut().spawn(Atmosphere::earth(medium));
-    stage
-        .app
-        .world_mut()
-        .entity_mut(camera)
-        .insert(AtmosphereSettings::default());
-    frames(&mut stage, 4);
-    let red = middle(&stage.picture());
-    // A low sun loses its blue.
-    assert!(
-        red[2] / red[0] < 0.8 * clear[2] / clear[0],
-        "atmosphere: {clear:?} {red:?}"
-    );
-    stage
-        .app
-        .world_mut()
-        .entity_mut(camera)
-        .insert(AtmosphereEnvironmentMapLight {
-            size: UVec2::splat(64),
-            ..default()
-        });
-    frames(&mut stage, 6);
-    let lit = middle(&stage.picture());
-    assert!(lit[2] > 1.1 * red[2], "light of the sky: {red:?} {lit:?}");
-}
-
-/// Mean colour of the middle of the picture, which feathers fill.
-fn middle(picture: &[[f32; 3]]) -> [f32; 3] {
-    let side = common::app::SIZE as usize;
-    let near = |i: usize| i.abs_diff(side / 2) < 10;
-    let inside: Vec<[f32; 3]> = (0..picture.len())
-        .filter(|i| near(i % side) && near(i / side))
-        .map(|i| picture[i])
-        .collect();
-    mean_color(&inside)
 }

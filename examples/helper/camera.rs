@@ -1,8 +1,9 @@
 //! The camera of the examples: named shots, and the mouse in a window.
 
-use super::{Args, Shot, scene::Sky};
+use super::{Args, Shot, Transparency, scene::Sky};
 use bevy::{
     camera::{Exposure, Hdr, RenderTarget},
+    core_pipeline::oit::OrderIndependentTransparencySettings,
     input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll},
     prelude::*,
 };
@@ -80,7 +81,7 @@ fn spawn_camera(
     let mut camera = commands.spawn((
         Camera3d::default(),
         Hdr,
-        Msaa::Sample4,
+        args.msaa(),
         Exposure { ev100: 11.4 },
         Projection::Perspective(PerspectiveProjection {
             fov: framing.fov.to_radians(),
@@ -93,6 +94,9 @@ fn spawn_camera(
         },
         sky.bundle(),
     ));
+    if args.transparency == Some(Transparency::OrderIndependent) {
+        camera.insert(OrderIndependentTransparencySettings::default());
+    }
     if let Some(image) = off_screen {
         camera.insert(RenderTarget::Image(image.0.clone().into()));
     }

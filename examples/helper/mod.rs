@@ -58,6 +58,12 @@ pub enum View {
     Layer,
     /// Normal of the card.
     Normal,
+    /// A colour per barb.
+    Barb,
+    /// Where the light of the fibres goes: surface red, front green, back blue.
+    Lobe,
+    /// Number of fragments over one another.
+    Overdraw,
 }
 
 impl From<View> for DebugView {
@@ -69,6 +75,33 @@ impl From<View> for DebugView {
             View::Card => Self::Card,
             View::Layer => Self::Layer,
             View::Normal => Self::Normal,
+            View::Barb => Self::Barb,
+            View::Lobe => Self::Lobe,
+            View::Overdraw => Self::Overdraw,
+        }
+    }
+}
+
+/// How what lies behind a feather shows through it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Transparency {
+    /// MSAA samples.
+    AlphaToCoverage,
+    /// A pattern fixed to the feather, without MSAA.
+    Hashed,
+    /// Bevy's order-independent transparency, without MSAA.
+    OrderIndependent,
+    /// Blended in the order of the mesh.
+    Blend,
+}
+
+impl From<Transparency> for FeatherTransparency {
+    fn from(transparency: Transparency) -> Self {
+        match transparency {
+            Transparency::AlphaToCoverage => Self::AlphaToCoverage,
+            Transparency::Hashed => Self::Hashed,
+            Transparency::OrderIndependent => Self::OrderIndependent,
+            Transparency::Blend => Self::Blend,
         }
     }
 }
@@ -106,6 +139,15 @@ pub struct Args {
     /// What is drawn.
     #[arg(long, value_enum, default_value_t)]
     pub view: View,
+    /// How what lies behind a feather shows through it; the example's choice when absent.
+    #[arg(long, value_enum)]
+    pub transparency: Option<Transparency>,
+    /// Speed of the wind from the front, m/s; gusts add as much again.
+    #[arg(long, default_value_t = 0.0)]
+    pub wind: f32,
+    /// How far the birds ruffle their feathers, 0 to 1.
+    #[arg(long, default_value_t = 0.0)]
+    pub ruffle: f32,
     /// Feather shown by `single_feather`.
     #[arg(long, default_value = "macaw_primary")]
     pub feather: String,
@@ -134,6 +176,24 @@ impl Args {
             && std::env::var_os("DISPLAY").is_none()
             && std::env::var_os("WAYLAND_DISPLAY").is_none();
         self.headless || no_display
+    }
+
+    /// Quality that `--view` and `--transparency` ask for; `usual` is the example's own transparency.
+    pub fn quality(&self, usual: FeatherTransparency) -> FeatherQuality {
+        let mut quality = FeatherQuality {
+            transparency: self.transparency.map_or(usual, FeatherTransparency::from),
+            ..default()
+        };
+        quality.settings.debug_view = self.view.into();
+        quality
+    }
+
+    /// Samples of the camera: the ways of transparency that do without have none.
+    pub fn msaa(&self) -> Msaa {
+        match self.transparency {
+            Some(Transparency::Hashed | Transparency::OrderIndependent) => Msaa::Off,
+            _ => Msaa::Sample4,
+        }
     }
 }
 
@@ -184,6 +244,7 @@ pub fn run(name: &'static str, scene: fn(&mut App)) {
         app.add_plugins(plugins);
     }
     app.insert_resource(args.clone())
+        .insert_resource(Wind::new(Vec3::new(-0.35, 0.1, -1.0), args.wind))
         .insert_resource(DefaultOpaqueRendererMethod::forward())
         .insert_resource(ClearColor(Color::srgb(0.72, 0.76, 0.80)))
         .add_plugins((

@@ -102,11 +102,9 @@ pub fn spawn_bird(
             Plumage::new(assets.load(format!("grooms/{name}.groom.ron")))
                 .with_seed(seed)
                 .with_density(density),
-            FeatherQuality {
-                settings: FeatherSettings {
-                    debug_view: args.view.into(),
-                    ..default()
-                },
+            args.quality(FeatherTransparency::default()),
+            Ruffle {
+                amount: args.ruffle,
                 ..default()
             },
             Idle(

@@ -4,8 +4,8 @@ use super::specialize;
 use crate::query::ErrorBudget;
 use crate::shaders::{FEATHER, FEATHER_PREPASS, FEATHER_VERTEX};
 use bevy::{
-    mesh::MeshVertexBufferLayoutRef,
     material::OpaqueRendererMethod,
+    mesh::MeshVertexBufferLayoutRef,
     pbr::{MaterialPipeline, MaterialPipelineKey},
     prelude::*,
     render::{

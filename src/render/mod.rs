@@ -9,9 +9,11 @@
 //! | `pack` | feathers, fibre tables and cards as the shaders read them |
 //! | `wear` | gives every groomed bird its material; [`PlumageMemory`] |
 //! | `lod` | compute pass that classifies every card for every camera |
+//! | `bounds` | bounds of cards, for rays |
 //! | `limits` | what the device must offer |
 //! | `cut_out` | what is drawn where it does not |
 
+mod bounds;
 mod core;
 mod cut_out;
 mod limits;
@@ -50,7 +52,10 @@ impl Plugin for FeatherRenderPlugin {
             .init_resource::<FeatherPath>()
             .add_systems(
                 PostUpdate,
-                cut_out::wear_cut_outs.run_if(resource_equals(FeatherPath::CutOut)),
+                (
+                    bounds::bound_cards,
+                    cut_out::wear_cut_outs.run_if(resource_equals(FeatherPath::CutOut)),
+                ),
             )
             .add_plugins((
                 ShadersPlugin,

@@ -128,7 +128,10 @@ pub fn rms(a: &[[f32; 3]], b: &[[f32; 3]]) -> f32 {
 /// Share of the pixels of which one is above one half and the other not, after a mean over 3 x 3 pixels.
 pub fn silhouettes_differ(a: &[f32], b: &[f32]) -> f32 {
     let (a, b) = (blurred(a), blurred(b));
-    let differ = a.iter().zip(&b).filter(|(a, b)| (**a > 0.5) != (**b > 0.5));
+    let differ = a
+        .iter()
+        .zip(&b)
+        .filter(|(a, b)| (**a > 0.501) != (**b > 0.501));
     differ.count() as f32 / a.len() as f32
 }
 
@@ -154,7 +157,7 @@ pub enum Shown {
     Depth = 0,
     /// The normal, halved and moved to 0..1.
     Normal = 1,
-    /// Motion in pictures, 0.5 + 10 x, 0.5 + 10 y.
+    /// Motion in pictures, 0.5 + 500 x, 0.5 + 500 y.
     Motion = 2,
 }
 
@@ -185,7 +188,7 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
         if (shown == 1u) { value = prepass_utils::prepass_normal(in.position, i) * 0.5 + 0.5; }
 #endif
 #ifdef MOTION_VECTOR_PREPASS
-        if (shown == 2u) { value = vec3(0.5 + 10.0 * prepass_utils::prepass_motion_vector(in.position, i), 0.0); }
+        if (shown == 2u) { value = vec3(0.5 + 500.0 * prepass_utils::prepass_motion_vector(in.position, i), 0.0); }
 #endif
         sum += value;
     }
@@ -248,4 +251,15 @@ pub fn plain_image(color: Color, size: bevy::render::render_resource::Extent3d) 
         bevy::render::render_resource::TextureFormat::Rgba32Float,
         RenderAssetUsages::RENDER_WORLD,
     )
+}
+
+/// Writes a failing picture under `target/test_failures`.
+pub fn keep(name: &str, values: &[f32]) {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("target/test_failures");
+    let bytes = values.iter().map(|v| (v.clamp(0.0, 1.0) * 255.0) as u8);
+    let image = image::GrayImage::from_vec(SIZE, SIZE, bytes.collect());
+    let _ = std::fs::create_dir_all(&folder);
+    if let Some(image) = image {
+        let _ = image.save(folder.join(format!("{name}.png")));
+    }
 }
