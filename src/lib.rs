@@ -13,7 +13,8 @@
 //!    [`Feather`](anatomy::Feather)s (`*.feather.ron`) that grow in each of its tracts.
 //! 4. The plugin grooms in the background; [`PlumageState::is_ready`](groom::PlumageState::is_ready) tells when the cards are there.
 //! 5. Optionally put a [`FeatherQuality`](render::FeatherQuality) beside it: error budget, transparency, debug view.
-//! 6. Read the counters: `render/feather_cards_*` and `render/feather_lod/elapsed_gpu` in Bevy's diagnostics, and
+//! 6. Optionally let the air move: [`Wind`](render::Wind) for the world, [`Ruffle`](render::Ruffle) for one bird.
+//! 7. Read the counters: `render/feather_cards_*` and `render/feather_lod/elapsed_gpu` in Bevy's diagnostics, and
 //!    [`PlumageMemory`](render::PlumageMemory).
 //!
 //! # Modules

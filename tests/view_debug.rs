@@ -15,8 +15,11 @@ fn debug_views_show_different_things() {
         return;
     };
     let bird = spawn_patch(&mut stage, 100, Vec3::ZERO, FeatherQuality::default());
+    // One sample a pixel: overdraw in whole steps.
+    let camera = stage.camera;
+    stage.app.world_mut().entity_mut(camera).insert(Msaa::Off);
     stage.settle();
-    let mut pictures = Vec::new();
+    let mut pictures: Vec<(DebugView, Vec<[f32; 3]>)> = Vec::new();
     for view in [
         DebugView::None,
         DebugView::Coverage,

@@ -113,7 +113,7 @@ fn silhouettes_agree_in_colour_depth_and_shadow() {
     ));
     let bird = spawn_patch(
         &mut stage,
-        60,
+        24,
         Vec3::ZERO,
         showing(DebugView::None, FeatherTransparency::AlphaToCoverage),
     );

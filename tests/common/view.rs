@@ -85,11 +85,11 @@ pub fn darken(stage: &mut Stage) {
     }
 }
 
-/// An orthographic camera, 0.3 m high.
+/// An orthographic camera, 0.12 m high.
 pub fn orthographic() -> Projection {
     Projection::Orthographic(OrthographicProjection {
         scaling_mode: ScalingMode::FixedVertical {
-            viewport_height: 0.3,
+            viewport_height: 0.12,
         },
         near: 0.01,
         far: 2.0,
@@ -125,7 +125,7 @@ pub fn rms(a: &[[f32; 3]], b: &[[f32; 3]]) -> f32 {
     (sum / (3 * a.len()) as f32).sqrt()
 }
 
-/// Share of the pixels of which one is above one half and the other not, after a mean over 3 x 3 pixels.
+/// Share of the pixels of which one is above one half and the other not, after a mean over 5 x 5 pixels.
 pub fn silhouettes_differ(a: &[f32], b: &[f32]) -> f32 {
     let (a, b) = (blurred(a), blurred(b));
     let differ = a
@@ -142,10 +142,10 @@ fn blurred(values: &[f32]) -> Vec<f32> {
         .map(|i| {
             let (x, y) = (i % side, i / side);
             let mut sum = 0.0;
-            for dy in -1..=1 {
-                (-1..=1).for_each(|dx| sum += at(x + dx, y + dy));
+            for dy in -2..=2 {
+                (-2..=2).for_each(|dx| sum += at(x + dx, y + dy));
             }
-            sum / 9.0
+            sum / 25.0
         })
         .collect()
 }

@@ -15,6 +15,7 @@ use bevy::{
             *,
         },
         renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
+        settings::WgpuFeatures,
         storage::{GpuShaderBuffer, ShaderBuffer},
         sync_world::MainEntity,
         view::{ViewUniform, ViewUniformOffset, ViewUniforms},
@@ -219,6 +220,9 @@ pub fn feather_lod(
     let Some(pipeline) = pipeline.and_then(|p| cache.get_compute_pipeline(p.pipeline)) else {
         return;
     };
+    // Bevy panics over a recorded number on a device that cannot time anything.
+    let timed = WgpuFeatures::TIMESTAMP_QUERY | WgpuFeatures::PIPELINE_STATISTICS_QUERY;
+    let reads_counters = ctx.render_device().features().intersects(timed);
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
     let encoder = ctx.command_encoder();
@@ -239,6 +243,9 @@ pub fn feather_lod(
         }
     }
     span.end(encoder);
+    if !reads_counters {
+        return;
+    }
     for (i, name) in CARD_COUNTERS.iter().enumerate() {
         let at = 4 * i as u64;
         diagnostics.record_u32(
