@@ -16,6 +16,7 @@ mod fibre;
 mod lobes;
 mod longitudinal;
 mod medulla;
+mod near;
 mod parameters;
 pub mod published;
 mod quadrature;
@@ -29,17 +30,20 @@ pub use colour::{
     single_scattering_albedo,
 };
 pub use evaluate::{
-    FibreEnergy, FibreShading, azimuthal, fibre_albedo, fibre_energy_split, fibre_evaluate,
-    fibre_local, fibre_shading, light_visibility,
+    FIBRE_SERIES, FibreEnergy, FibreShading, azimuthal, fibre_albedo, fibre_energy_split,
+    fibre_evaluate, fibre_local, fibre_shading, light_visibility,
 };
 pub use feather::{FeatherPart, feather_bsdf};
 pub use fibre::{Fibre, FibreKind, Optics, Sheen};
 pub use lobes::{Crossing, Lobe, attenuation, crossing, exit_angle, fresnel};
 pub use longitudinal::{fold, i0e, lobe_shift, lobe_width, longitudinal};
 pub use medulla::{MEDULLA_AXES, MEDULLA_TABLE_LENGTH, MedullaShape, medulla_shape};
+pub use near::{
+    FibreNear, FibreWindow, NEAR_SEGMENTS, fibre_near, fibre_near_evaluate, fibre_window,
+};
 pub use parameters::{FibreParameters, fibre_parameters};
 pub use quadrature::gauss_legendre;
-pub use sample::{FibreSample, fibre_pdf, fibre_sample};
+pub use sample::{FibreSample, fibre_invert_series, fibre_lobe_chances, fibre_pdf, fibre_sample};
 pub use sheen::{
     SHEEN_TABLE_SIZE, sheen_albedo, sheen_evaluate, sheen_lookup, sheen_row, sheen_table,
 };

@@ -21,6 +21,9 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "query.wgsl");
         load_shader_library!(app, "anatomy.wgsl");
         load_shader_library!(app, "scattering.wgsl");
+        load_shader_library!(app, "scattering_azimuth.wgsl");
+        load_shader_library!(app, "scattering_near.wgsl");
+        load_shader_library!(app, "scattering_sample.wgsl");
         load_shader_library!(app, "sheen.wgsl");
         load_shader_library!(app, "feather_data.wgsl");
         load_shader_library!(app, "feather_io.wgsl");

@@ -24,6 +24,8 @@ struct FibreParameters {
     fresnel: f32,
     colour_kt: f32,
     colour_t: f32,
+    scattering: f32,
+    round_trips: f32,
 }
 
 struct FibreColour {
@@ -61,6 +63,9 @@ struct FibreShading {
     inner: array<vec4<f32>, 2>,
     core: array<vec4<f32>, 2>,
     dense_share: vec3<f32>,
+    // Azimuthal blur of warped (R, TRcT), narrowed (TT) and plain (TRT) series; terms of the series.
+    blur: vec3<f32>,
+    harmonics: u32,
     // Sines and cosines of the eye's shifted inclination and the widths: R, TT, TRT, TRcT.
     eye_sin: vec4<f32>,
     eye_cos: vec4<f32>,
@@ -103,6 +108,8 @@ fn fibre_parameters(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>) -> FibreParameters
         clamp(b.w, 0.0, 0.9),
         max(c.x, 0.0),
         max(c.y, 1e-4),
+        clamp(c.z, 0.0, 1e3),
+        clamp(c.w, 0.0, 0.9),
     );
 }
 
@@ -146,7 +153,7 @@ fn exp_ratio(x: vec3<f32>) -> vec3<f32> {
 
 fn fibre_colour(p: FibreParameters, albedo: vec3<f32>) -> FibreColour {
     let f = p.fresnel;
-    let series = 0.945 * f;
+    let series = p.round_trips;
     let y = (clamp(albedo, vec3<f32>(f + 0.002), vec3<f32>(0.995)) - f) / (1.0 - f);
     var colour = FibreColour(vec3<f32>(1.0), vec3<f32>(0.0));
     if p.structural {
@@ -277,7 +284,7 @@ fn fibre_shading(
     }
     s.energy_through = row.energy.y * entering * gamma_transmittance(row.absorption.x, row.absorption.y, colour.absorption);
     s.energy_inner = row.energy.z * entering * gamma_transmittance(row.absorption.z, row.absorption.w, colour.absorption);
-    let series = 0.945 * row.energy.x;
+    let series = row.medulla.x;
     if p.structural {
         s.energy_fourth = row.energy.w * entering * colour.core * (1.0 - series) / (1.0 - series * colour.core);
     } else {
@@ -289,6 +296,8 @@ fn fibre_shading(
     let blur = max(p.azimuthal_roughness, 1.6 / f32(harmonics));
     let warped = blur * fibre_stretch(p.aspect, eye.azimuth);
     let narrowed = blur * inverseSqrt(p.aspect);
+    s.blur = vec3<f32>(warped, narrowed, blur);
+    s.harmonics = harmonics;
     s.surface = fibre_damped(row.surface, warped, harmonics);
     s.clear = fibre_damped(row.clear, narrowed, harmonics);
     s.dense = fibre_damped(row.dense, narrowed, harmonics);
@@ -381,24 +390,46 @@ fn fibre_evaluate(s: FibreShading, omega_i: vec3<f32>) -> vec3<f32> {
         through_cosines = fibre_cosines(-cos(bend), s.fine);
     }
 
+    return fibre_sum(s, light, cos_phi, middle.y, reflected, azimuthal(s.inner, cosines),
+        1.0 + dot(s.clear[0], through_cosines[0]) + dot(s.clear[1], through_cosines[1]),
+        1.0 + dot(s.dense[0], through_cosines[0]) + dot(s.dense[1], through_cosines[1]),
+        shrink, azimuthal(s.core, reflect_cosines) * jacobian);
+}
+
+// The lobes' azimuthal densities (times 2 pi) times their longitudinal terms and energies. `light`: sine and cosine of its
+// inclination; `half_z`: z of the azimuth half way between eye and light.
+fn fibre_sum(
+    s: FibreShading,
+    light: vec2<f32>,
+    cos_phi: f32,
+    half_z: f32,
+    reflected: f32,
+    returned: f32,
+    clear: f32,
+    dense: f32,
+    shrink: f32,
+    mirrored: f32,
+) -> vec3<f32> {
     let norm = 0.5 / SCATTERING_PI;
     let surface = reflected * longitudinal(vec2<f32>(s.eye_sin.x, s.eye_cos.x), light, s.width.x) * norm;
-    let inner = azimuthal(s.inner, cosines) * longitudinal(vec2<f32>(s.eye_sin.z, s.eye_cos.z), light, s.width.z) * norm;
-    let clear = 1.0 + dot(s.clear[0], through_cosines[0]) + dot(s.clear[1], through_cosines[1]);
-    let dense = 1.0 + dot(s.dense[0], through_cosines[0]) + dot(s.dense[1], through_cosines[1]);
+    let inner = returned * longitudinal(vec2<f32>(s.eye_sin.z, s.eye_cos.z), light, s.width.z) * norm;
     let through = max(mix(vec3<f32>(clear), vec3<f32>(dense), s.dense_share), vec3<f32>(0.0)) * shrink
         * longitudinal(vec2<f32>(s.eye_sin.y, s.eye_cos.y), light, s.width.y) * norm;
     var fourth: f32;
     if s.structural {
-        let x = clamp((middle.y + s.back_edge) / (2.0 * s.back_edge), 0.0, 1.0);
+        let x = clamp((half_z + s.back_edge) / (2.0 * s.back_edge), 0.0, 1.0);
         let lit = x * x * (3.0 - 2.0 * x);
-        fourth = azimuthal(s.core, reflect_cosines) * jacobian * mix(1.0, lit, s.dark_back)
+        fourth = mirrored * mix(1.0, lit, s.dark_back)
             * longitudinal(vec2<f32>(s.eye_sin.w, s.eye_cos.w), light, s.width.w) * norm;
     } else {
-        let f = 1.0 + 2.0 * s.medulla.x * cos_phi + 2.0 * s.medulla.y * (2.0 * cos_phi * cos_phi - 1.0);
-        fourth = max(f, 0.0) * norm * light.y * (2.0 / SCATTERING_PI) * max(1.0 + s.medulla.z * light.x, 0.0);
+        fourth = medulla_azimuth(s, cos_phi) * norm * light.y * (2.0 / SCATTERING_PI) * max(1.0 + s.medulla.z * light.x, 0.0);
     }
     return vec3<f32>(s.energy_surface * surface) + s.energy_through * through + s.energy_inner * inner + s.energy_fourth * fourth;
+}
+
+// Density of the medulla's light in phi times 2 pi.
+fn medulla_azimuth(s: FibreShading, cos_phi: f32) -> f32 {
+    return max(1.0 + 2.0 * s.medulla.x * cos_phi + 2.0 * s.medulla.y * (2.0 * cos_phi * cos_phi - 1.0), 0.0);
 }
 
 // acos to 2e-7 on every driver (the built-in may be off by 1e-3 near its ends).
