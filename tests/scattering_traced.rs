@@ -7,6 +7,7 @@ use bevy_plumage::scattering::{
     *,
 };
 use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
 use scattering_common::*;
 use std::f64::consts::PI;
 
@@ -108,85 +109,108 @@ fn exit_angles_agree_with_traced_rays() {
     assert!((d / (2.0 * PI) - (d / (2.0 * PI)).round()).abs() < 1e-9);
 }
 
+/// The medulla's light of a traced fibre over rings of sin theta_i and sectors of phi, with the energies of the five lobes.
+fn traced_medulla(
+    setting: (f64, f64, f64, f64),
+    seed: u64,
+    count: usize,
+    (rings, sectors): (usize, usize),
+) -> (Vec<f64>, [f64; 5]) {
+    let (kappa, tau, g, theta) = setting;
+    let traced = TracedFibre {
+        inner: kappa,
+        scattering: tau / kappa,
+        anisotropy: g,
+        ..TracedFibre::clear(1.55)
+    };
+    let mut random = Pcg64Mcg::new(seed.into());
+    let mut bins = vec![0.0; rings * sectors];
+    let mut energies = [0.0; 5];
+    for i in 0..count {
+        let h = 2.0 * (i as f64 + uniform(&mut random)) / count as f64 - 1.0;
+        let h = h.clamp(-0.999_999, 0.999_999);
+        traced.trace(theta, 0.0, h, &mut random, |e| {
+            energies[e.history.lobe()] += e.weight / count as f64;
+            if e.history.lobe() == 4 {
+                let ring = ((e.direction[0] + 1.0) * 0.5 * rings as f64) as usize;
+                let sector = ((e.azimuth(0.0) + PI) / (2.0 * PI) * sectors as f64) as usize;
+                bins[ring.min(rings - 1) * sectors + sector.min(sectors - 1)] +=
+                    e.weight / count as f64;
+            }
+        });
+    }
+    (bins, energies)
+}
+
 #[test]
 fn medulla_agrees_with_traced_paths() {
-    let mut random = Pcg64Mcg::new(99);
-    for (kappa, tau, g, theta) in [
+    let settings = [
         (0.85, 2.0, 0.4, 0.0),
         (0.85, 6.0, 0.4, 0.6),
         (0.6, 3.0, 0.2, 0.3),
         (0.95, 2.0, 0.5, 0.9),
         (0.7, 4.0, 0.0, 1.1_f64),
         (0.5, 8.0, 0.6, 0.2),
-    ] {
-        let traced = TracedFibre {
-            inner: kappa,
-            scattering: tau / kappa,
-            anisotropy: g,
-            ..TracedFibre::clear(1.55)
-        };
-        let table = FibreTable::build(&pigment(kappa as f32, tau as f32, g as f32));
-        let row = table.row(theta.cos());
-        let (count, rings, sectors) = (60_000, 12, 16);
-        let mut bins = vec![0.0; rings * sectors];
-        let mut energies = [0.0; 5];
-        for i in 0..count {
-            let h = 2.0 * (i as f64 + uniform(&mut random)) / count as f64 - 1.0;
-            traced.trace(
-                theta,
-                0.0,
-                h.clamp(-0.999_999, 0.999_999),
-                &mut random,
-                |e| {
-                    energies[e.history.lobe()] += e.weight / count as f64;
-                    if e.history.lobe() == 4 {
-                        let ring = ((e.direction[0] + 1.0) * 0.5 * rings as f64) as usize;
-                        let sector = ((e.azimuth(0.0) + PI) / (2.0 * PI) * sectors as f64) as usize;
-                        bins[ring.min(rings - 1) * sectors + sector.min(sectors - 1)] +=
-                            e.weight / count as f64;
-                    }
-                },
-            );
-        }
-        assert!(
-            (row[0][3] - energies[4]).abs() < 0.006,
-            "energy {} against {}",
-            row[0][3],
-            energies[4]
-        );
-        for lobe in 0..3 {
+        (0.75, 1.5, 0.2, 0.5),
+        (0.9, 8.0, 0.8, 0.7),
+        (0.8, 5.0, 0.6, 1.2),
+        (0.65, 2.5, 0.5, 0.4),
+    ];
+    let (count, rings, sectors) = (200_000, 12, 16);
+    let worst: Vec<f64> = settings
+        .into_par_iter()
+        .map(|setting| {
+            let (kappa, tau, g, theta) = setting;
+            let table = FibreTable::build(&pigment(kappa as f32, tau as f32, g as f32));
+            let row = table.row(theta.cos());
+            let (bins, energies) = traced_medulla(setting, 99, count, (rings, sectors));
             assert!(
-                (row[0][lobe] - energies[lobe]).abs() < 0.004,
-                "lobe {lobe} {} {}",
-                row[0][lobe],
-                energies[lobe]
+                (row[0][3] - energies[4]).abs() < 0.004,
+                "energy {} against {}",
+                row[0][3],
+                energies[4]
             );
-        }
-        // Only the medulla's lobe, integrated over each bin.
-        let mut s = shade(&table, 0.9, direction(theta, 0.0), 0.0);
-        whiten(&mut s, &row);
-        s.energy[0] = [0.0; 3];
-        s.energy[1] = [0.0; 3];
-        s.energy[2] = [0.0; 3];
-        let mut l1 = 0.0;
-        for ring in 0..rings {
-            for sector in 0..sectors {
+            for lobe in 0..3 {
+                assert!(
+                    (row[0][lobe] - energies[lobe]).abs() < 0.004,
+                    "lobe {lobe} {} {}",
+                    row[0][lobe],
+                    energies[lobe]
+                );
+            }
+            // Only the medulla's lobe, integrated over each bin.
+            let mut s = shade(&table, 0.9, direction(theta, 0.0), 0.0);
+            whiten(&mut s, &row);
+            for other in 0..3 {
+                s.energy[other] = [0.0; 3];
+            }
+            let mut l1 = 0.0;
+            for (at, bin) in bins.iter().enumerate() {
                 let mut model = 0.0;
                 for k in 0..16 {
-                    let x: f64 =
-                        -1.0 + 2.0 * (ring as f64 + (f64::from(k % 4) + 0.5) / 4.0) / rings as f64;
-                    let phi = -PI
-                        + 2.0 * PI * (sector as f64 + (f64::from(k / 4) + 0.5) / 4.0)
-                            / sectors as f64;
-                    model += fibre_evaluate(&s, direction(x.asin(), phi))[0];
+                    let x = ((at / sectors) as f64 + (f64::from(k % 4) + 0.5) / 4.0) / rings as f64;
+                    let y =
+                        ((at % sectors) as f64 + (f64::from(k / 4) + 0.5) / 4.0) / sectors as f64;
+                    let light = direction((2.0 * x - 1.0).asin(), PI * (2.0 * y - 1.0));
+                    model += fibre_evaluate(&s, light)[0];
                 }
-                model *= 2.0 / rings as f64 * 2.0 * PI / sectors as f64 / 16.0;
-                l1 += (model - bins[ring * sectors + sector]).abs();
+                l1 += (model * 4.0 * PI / (rings * sectors) as f64 / 16.0 - bin).abs();
             }
-        }
-        let l1 = l1 / energies[4];
-        println!("medulla kappa {kappa} tau {tau} g {g} theta {theta}: L1 {l1:.3}");
-        assert!(l1 <= 0.09, "{l1}");
+            let l1 = l1 / energies[4];
+            // Chance alone: the mean of |x| of each bin's normal error.
+            let noise: f64 = bins
+                .iter()
+                .map(|b| (2.0 / PI * b / count as f64).sqrt())
+                .sum::<f64>()
+                / energies[4];
+            println!(
+                "medulla kappa {kappa} tau {tau} g {g} theta {theta}: L1 {l1:.3}, noise {noise:.3}"
+            );
+            l1
+        })
+        .collect();
+    for l1 in worst {
+        assert!(l1 <= 0.07, "{l1}");
     }
 }
 

@@ -23,7 +23,7 @@ pub struct FibreSample {
 }
 
 /// Steps of the inversion of a series.
-const STEPS: usize = 12;
+const STEPS: usize = 24;
 /// Least share of its energy with which the core's lobe is sampled from the dark side.
 const LEAST_SIDE: f64 = 0.05;
 

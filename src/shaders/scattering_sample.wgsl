@@ -5,7 +5,7 @@
 }
 #import bevy_plumage::scattering_azimuth::{fibre_azimuths, fibre_sines}
 
-const SAMPLE_STEPS: u32 = 12u;
+const SAMPLE_STEPS: u32 = 24u;
 const LEAST_SIDE: f32 = 0.05;
 
 // A sampled direction of the light, its density per steradian (0: none), K over it, and the width of its lobe in radians.
