@@ -1,6 +1,8 @@
 //! Helpers of the scattering tests.
 #![allow(dead_code)]
 
+pub mod cases;
+
 use bevy_plumage::scattering::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
