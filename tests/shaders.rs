@@ -84,6 +84,8 @@ fn variants() -> Vec<(&'static str, Vec<&'static str>)> {
             ],
             &["DEPTH_PREPASS", "NORMAL_PREPASS", "ENVIRONMENT_MAP"],
             &["IRRADIANCE_VOLUMES_ARE_USABLE", "ENVIRONMENT_MAP"],
+            &["SAMPLED_ENVIRONMENT"],
+            &["SAMPLED_ENVIRONMENT", "ENVIRONMENT_MAP"],
         ] {
             for file in ["feather.wgsl", "feather_vertex.wgsl"] {
                 let defs = FORWARD.iter().chain(skinned).chain(options).copied();

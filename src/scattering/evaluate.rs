@@ -463,6 +463,16 @@ pub fn light_visibility<T: Float>(cos_normal: T, coverage: T, cos_theta: T) -> T
     )
 }
 
+/// Mean of [`light_visibility`] over light from all around a fibre, 2/pi (dense) to 1 (alone): in closed form, since the visibility
+/// depends on the azimuth only, `min(1, |cos phi| / coverage)`.
+pub fn mean_visibility<T: Float>(coverage: T) -> T {
+    let one = T::one();
+    let c = clamp(coverage, real(1e-3), one);
+    // 1 - sqrt(1 - c^2) without cancellation.
+    let sine = (one - c * c).max(T::zero()).sqrt();
+    (c.acos() + c / (one + sine)) * real(std::f64::consts::FRAC_2_PI)
+}
+
 /// Share of a lobe that stays on the side of the eye (|phi| below 90 degrees), 0..1.
 fn share_front<T: Float>(s: &[T; FIBRE_HARMONICS]) -> T {
     let odd = s[0] - s[2] / real(3.0) + s[4] / real(5.0) - s[6] / real(7.0);

@@ -24,6 +24,7 @@ pub mod reference;
 mod sample;
 mod sheen;
 mod table;
+mod tier;
 
 pub use colour::{
     FibreColour, fibre_colour, gamma_fit, gamma_transmittance, multiple_scattering,
@@ -31,7 +32,7 @@ pub use colour::{
 };
 pub use evaluate::{
     FIBRE_SERIES, FibreEnergy, FibreShading, azimuthal, fibre_albedo, fibre_energy_split,
-    fibre_evaluate, fibre_local, fibre_shading, light_visibility,
+    fibre_evaluate, fibre_local, fibre_shading, light_visibility, mean_visibility,
 };
 pub use feather::{FeatherPart, feather_bsdf};
 pub use fibre::{Fibre, FibreKind, Optics, Sheen};
@@ -46,10 +47,12 @@ pub use quadrature::gauss_legendre;
 pub use sample::{FibreSample, fibre_invert_series, fibre_lobe_chances, fibre_pdf, fibre_sample};
 pub use sheen::{
     SHEEN_TABLE_SIZE, sheen_albedo, sheen_evaluate, sheen_lookup, sheen_row, sheen_table,
+    sheen_tint,
 };
 pub use table::{
     FIBRE_HARMONICS, FIBRE_ROW_VEC4S, FIBRE_ROWS, FibreRow, FibreTable, fibre_row_at, fibre_row_mix,
 };
+pub use tier::{MEAN_TERMS, fibre_terms, near_deviation, near_limit};
 
 use num_traits::Float;
 

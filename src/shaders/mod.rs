@@ -30,6 +30,8 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "feather_pattern.wgsl");
         load_shader_library!(app, "feather_bindings.wgsl");
         load_shader_library!(app, "feather_lighting.wgsl");
+        load_shader_library!(app, "feather_near.wgsl");
+        load_shader_library!(app, "feather_environment.wgsl");
         embedded_asset!(app, "feather_vertex.wgsl");
         embedded_asset!(app, "feather.wgsl");
         embedded_asset!(app, "feather_prepass.wgsl");

@@ -446,6 +446,19 @@ fn light_visibility(cos_normal: f32, coverage: f32, cos_theta: f32) -> f32 {
     return clamp(abs(cos_normal) / max(max(coverage, 0.0) * max(cos_theta, 1e-3), 1e-6), 0.0, 1.0);
 }
 
+// Its mean over light from all around the fibre: 2/pi (dense) to 1 (alone).
+fn mean_visibility(coverage: f32) -> f32 {
+    let c = clamp(coverage, 1e-3, 1.0);
+    let sine = sqrt(max(1.0 - c * c, 0.0));
+    return (fibre_acos(c) + c / (1.0 + sine)) * 2.0 / SCATTERING_PI;
+}
+
+// Terms of the series that the chooser's threshold asks for, 3..8.
+fn fibre_terms(threshold: f32, azimuthal_roughness: f32) -> u32 {
+    let wanted = clamp(6.858 * threshold - 0.282, 1.0, 3.0);
+    return u32(clamp(ceil(wanted / max(azimuthal_roughness, 0.05)), 3.0, 8.0));
+}
+
 fn fibre_share_front(s: array<vec4<f32>, 2>) -> f32 {
     let odd = s[0].x - s[0].z / 3.0 + s[1].x / 5.0 - s[1].z / 7.0;
     return clamp(0.5 + odd / SCATTERING_PI, 0.0, 1.0);

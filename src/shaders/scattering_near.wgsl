@@ -51,6 +51,20 @@ fn fibre_window(mean_in: f32, deviation: f32) -> vec4<f32> {
     return vec4<f32>(low, clamp(m + reach, low + least, 1.0), m, 1.0 / d);
 }
 
+// Largest deviation of a footprint across a fibre, in half widths, for which the near field shows.
+fn near_limit(threshold: f32) -> f32 {
+    return 2.0 * sqrt(clamp(threshold, 0.01, 1.0));
+}
+
+// Grows without bound towards the limit, so that the near field passes into the far field; -1 beyond it.
+fn near_deviation(deviation: f32, threshold: f32) -> f32 {
+    let limit = near_limit(threshold);
+    if !(deviation < limit) {
+        return -1.0;
+    }
+    return deviation / max(1.0 - smoothstep(0.6, 1.0, deviation / limit), 1e-2);
+}
+
 fn near_add(sums: ptr<function, NearSums>, amount: f32, phi: f32, half: f32) {
     let angle = vec2<f32>(cos(phi), sin(phi));
     let c = fibre_cosines(angle.x, true);

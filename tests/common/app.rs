@@ -38,11 +38,18 @@ pub struct Stage {
     image: Handle<Image>,
     /// The camera.
     pub camera: Entity,
+    /// Width and height of the pictures.
+    pub size: (u32, u32),
 }
 
 impl Stage {
     /// None without an adapter, with a word on stderr.
     pub fn new() -> Option<Self> {
+        Self::sized(SIZE, SIZE)
+    }
+
+    /// The same with pictures of another size.
+    pub fn sized(width: u32, height: u32) -> Option<Self> {
         super::gpu::adapter_name()?;
         let mut app = App::new();
         app.add_plugins((
@@ -74,7 +81,8 @@ impl Stage {
         }
         app.finish();
         app.cleanup();
-        let mut image = Image::new_target_texture(SIZE, SIZE, TextureFormat::Rgba8UnormSrgb, None);
+        let mut image =
+            Image::new_target_texture(width, height, TextureFormat::Rgba8UnormSrgb, None);
         image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
         let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
         let light = EnvironmentMapLight {
@@ -105,7 +113,12 @@ impl Stage {
             },
             Transform::from_xyz(0.5, 1.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
         ));
-        Some(Self { app, image, camera })
+        Some(Self {
+            app,
+            image,
+            camera,
+            size: (width, height),
+        })
     }
 
     /// One frame, finished on the GPU; fails if the renderer has stopped.
@@ -159,11 +172,15 @@ impl Stage {
         for _ in 0..100 {
             self.frame();
             if let Some(image) = got.lock().unwrap().take() {
+                let (width, height) = self.size;
                 let pixel = |i: u32| {
-                    let color = image.get_color_at(i % SIZE, i / SIZE).unwrap().to_linear();
+                    let color = image
+                        .get_color_at(i % width, i / width)
+                        .unwrap()
+                        .to_linear();
                     [color.red, color.green, color.blue]
                 };
-                return (0..SIZE * SIZE).map(pixel).collect();
+                return (0..width * height).map(pixel).collect();
             }
             std::thread::sleep(Duration::from_millis(2));
         }
