@@ -289,3 +289,62 @@ fn the_shader_draws_what_the_density_says() {
         );
     }
 }
+
+#[test]
+fn tiers_and_tints_agree() {
+    const TEXT: &str = "
+#import bevy_plumage::scattering as scattering
+#import bevy_plumage::scattering_near as near
+#import bevy_plumage::sheen as sheen
+fn evaluate(i: u32) {
+    let x = input[2u * i];
+    let y = input[2u * i + 1u];
+    let window = near::fibre_window(x * 4.0 - 2.0, y * y * 10.0);
+    output[8u * i] = scattering::mean_visibility(x);
+    output[8u * i + 1u] = f32(scattering::fibre_terms(x, y));
+    output[8u * i + 2u] = near::near_deviation(2.0 * y, x);
+    output[8u * i + 3u] = sheen::sheen_tint(vec3<f32>(x)).y;
+    output[8u * i + 4u] = window.x;
+    output[8u * i + 5u] = window.y;
+    output[8u * i + 6u] = window.z;
+    output[8u * i + 7u] = window.w;
+}
+";
+    let mut random = Pcg64Mcg::new(2);
+    let count = 4096;
+    let input: Vec<f32> = (0..2 * count)
+        .map(|_| uniform(&mut random) as f32)
+        .collect();
+    let files = [FILES.as_slice(), &["sheen.wgsl"]].concat();
+    let Some(out) = run(&files, TEXT, &input, count, 8 * count) else {
+        return;
+    };
+    for i in 0..count {
+        let (x, y) = (f64::from(input[2 * i]), f64::from(input[2 * i + 1]));
+        let window = fibre_window(x * 4.0 - 2.0, y * y * 10.0);
+        let terms = fibre_terms(x, y);
+        let wanted = [
+            mean_visibility(x),
+            f64::from(terms),
+            near_deviation(2.0 * y, x).unwrap_or(-1.0),
+            sheen_tint([x; 3])[1],
+            window.low,
+            window.high,
+            window.mean,
+            window.sharpness,
+        ];
+        for (k, want) in wanted.into_iter().enumerate() {
+            let got = f64::from(out[8 * i + k]);
+            // Beside a step of the rounding up, either number of terms will do.
+            let allowed = if k == 1 {
+                1.0
+            } else {
+                1e-4 * want.abs().max(1.0)
+            };
+            assert!(
+                (got - want).abs() <= allowed,
+                "{k} at {x} {y}: {got} {want}"
+            );
+        }
+    }
+}
