@@ -109,7 +109,8 @@ fn a_white_feather_passes_the_furnace() {
 #[test]
 fn self_shadow_bounds_grazing_light() {
     let coverage = 0.6;
-    for elevation in [90.0, 30.0, 15.0, 5.0, 2.0_f64] {
+    let mut before = 1.0;
+    for elevation in [90.0, 60.0, 30.0, 15.0, 5.0, 2.0, 0.5_f64] {
         let e = elevation.to_radians();
         // Light across the fibre: what one period receives is sin(e), what its fibre scatters is coverage times K summed.
         let light = [e.cos(), 0.0, e.sin()];
@@ -117,6 +118,9 @@ fn self_shadow_bounds_grazing_light() {
         let seen = light_visibility(light[2], coverage, (1.0 - local[0] * local[0]).sqrt());
         assert!(coverage * seen <= light[2] + 1e-9, "{elevation}: {seen}");
         assert!(coverage * seen >= 0.59 * light[2]);
+        // What is scattered never grows as the light sinks.
+        assert!(seen <= before);
+        before = seen;
     }
     assert_eq!(light_visibility(0.0, 0.6, 1.0), 0.0);
     assert!(light_visibility(f64::NAN, f64::NAN, f64::NAN).is_finite());
@@ -179,6 +183,14 @@ fn sheen_scatters_exactly_its_albedo() {
                 ltc[2]
             );
             assert!(sheen_albedo(ltc, 0.3) <= 0.3 && sheen_albedo(ltc, f64::NAN) == 0.0);
+            // A white base under the sheen of any colour.
+            for tint in [sheen_tint([1.0; 3]), sheen_tint([0.0, 0.5, 1.0])] {
+                let base = 1.0 - sheen_albedo(ltc, 1.0) * tint[2];
+                assert!(
+                    tint.iter()
+                        .all(|t| base + sheen_albedo(ltc, 1.0) * t <= 1.0 + 1e-12)
+                );
+            }
         }
     }
     let ltc = sheen_lookup(0.5, 0.5_f64);

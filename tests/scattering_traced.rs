@@ -329,7 +329,7 @@ fn reflection_of_a_smooth_ellipse_is_exact() {
                 error / sum
             );
             assert!(
-                error / sum <= 0.01,
+                error / sum <= 0.005,
                 "aspect {aspect} eye {eye}: {}",
                 error / sum
             );
@@ -342,7 +342,7 @@ fn flat_fibres_agree_with_traced_ellipses() {
     let mut random = Pcg64Mcg::new(3);
     let bins = 60;
     for aspect in [0.6, 0.4] {
-        for eye in [0.0, 0.7, 1.4] {
+        for eye in [0.0, 0.7, 1.1, 1.4] {
             let traced = TracedFibre {
                 aspect,
                 inner: 0.8,
@@ -380,9 +380,10 @@ fn flat_fibres_agree_with_traced_ellipses() {
                     "flat lobe {lobe} aspect {aspect} eye {eye}: L1 {:.3}, as a circle {:.3}",
                     errors[0], errors[1]
                 );
-                // TRcT of a fibre seen edge on is beyond the warp (rays pass beside the core).
-                assert!((lobe == 3 && eye > 1.0) || errors[0] < 0.85 * errors[1]);
-                assert!(errors[0] < if lobe == 0 { 0.15 } else { 0.6 }, "{errors:?}");
+                // Towards edge on the warp of TRcT fades to a circle: rays pass beside the core of a flat fibre.
+                let least = if lobe == 3 && eye > 1.0 { 1.0 } else { 0.85 };
+                assert!(errors[0] < least * errors[1], "{errors:?}");
+                assert!(errors[0] < if lobe == 0 { 0.15 } else { 0.5 }, "{errors:?}");
             }
         }
     }

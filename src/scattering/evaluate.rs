@@ -32,6 +32,8 @@ pub struct FibreShading<T> {
     pub aspect: T,
     /// Aspect that R sees, the roughness taken into account; at most 1.
     pub surface_aspect: T,
+    /// Aspect that TRcT's warp takes: towards round where the eye sees a flat fibre edge on.
+    pub core_aspect: T,
     /// Refractive index and cosine of the eye's inclination: the reflection of flat fibres needs them.
     pub eta: T,
     /// See [`Self::eta`].
@@ -114,6 +116,9 @@ pub(super) fn polar<T: Float>(omega: [T; 3]) -> ((T, T), [T; 2]) {
 /// Aspect from which on a fibre counts as round.
 pub(super) const ROUND: f64 = 0.999;
 
+/// Squared sines of the eye's azimuth between which the warp of TRcT fades out.
+const EDGE_ON: (f64, f64) = (0.5, 0.9);
+
 /// Energy of R of an elliptic fibre: less than a round one's when seen broadside, more edge on.
 fn flat_reflection<T: Float>(aspect: T, eta: T, cos_o: T, azimuth: [T; 2]) -> T {
     // t is the parametric angle of the ellipse; its value where the eye looks straight at the fibre:
@@ -147,6 +152,18 @@ fn stretch<T: Float>(aspect: T, azimuth: [T; 2]) -> T {
         aspect * aspect,
     );
     (c2 + a2 * a2 * s2) / (aspect * (c2 + a2 * s2))
+}
+
+/// Aspect for the warp of TRcT. Seen edge on, rays pass beside the core of a flat fibre, and the warp, which was made for rays that
+/// hit it, is farther from the truth than a circle: it fades out there.
+fn core_aspect<T: Float>(aspect: T, azimuth: [T; 2]) -> T {
+    let x = clamp(
+        (azimuth[0] * azimuth[0] - real(EDGE_ON.0)) / real(EDGE_ON.1 - EDGE_ON.0),
+        T::zero(),
+        T::one(),
+    );
+    let fade = x * x * (real::<T>(3.0) - x - x);
+    aspect + (T::one() - aspect) * fade
 }
 
 /// Series factors of a shape stored in two vec4s, damped by a Gaussian blur, cut after `harmonics`.
@@ -210,8 +227,15 @@ pub fn fibre_shading<T: Float>(
         .azimuthal_roughness
         .max(real::<T>(1.6) / real(f64::from(harmonics)));
     let warped = blur * stretch(p.aspect, azimuth);
+    let core_aspect = core_aspect(p.aspect, azimuth);
     let narrowed = blur / p.aspect.sqrt();
-    let blur = [warped, narrowed, narrowed, blur, warped];
+    let blur = [
+        warped,
+        narrowed,
+        narrowed,
+        blur,
+        blur * stretch(core_aspect, azimuth),
+    ];
     let series = [
         damped(row, 5, blur[0], harmonics),
         damped(row, 7, blur[1], harmonics),
@@ -255,6 +279,7 @@ pub fn fibre_shading<T: Float>(
         structural: p.structural,
         aspect: p.aspect,
         surface_aspect,
+        core_aspect,
         eta: p.eta,
         cos_eye: cos_o,
         azimuth,
@@ -351,7 +376,7 @@ pub(super) fn azimuths<T: Float>(s: &FibreShading<T>, light: [T; 2]) -> Azimuths
             let cos = clamp(two * c * c - one, -one, one);
             ((cos, two * c * d), a / hit2)
         };
-        (out.core, out.stretch) = warp(s.aspect);
+        (out.core, out.stretch) = warp(s.core_aspect);
         (out.surface, out.surface_stretch) = warp(s.surface_aspect);
         let root = s.aspect.sqrt();
         let bend = (-cos_phi).max(-one).min(one).acos() / root;

@@ -153,7 +153,7 @@ fn unwarp(s: &FibreShading<f64>, lobe: usize, warped: f64) -> [f64; 2] {
             let back = warped - PI * warped.signum();
             return turned(PI + back * s.aspect.sqrt());
         }
-        3 if s.structural => s.aspect,
+        3 if s.structural => s.core_aspect,
         _ => return turned(warped),
     };
     // Half way in the parametric angle, then the normal there; the light is the eye mirrored at it.

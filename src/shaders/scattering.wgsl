@@ -11,6 +11,8 @@ const FIBRE_ROW_COUNT: u32 = 16u;
 
 // Aspect from which on a fibre counts as round.
 const FIBRE_ROUND: f32 = 0.999;
+// Squared sines of the eye's azimuth between which the warp of TRcT fades out.
+const FIBRE_EDGE_ON: vec2<f32> = vec2<f32>(0.5, 0.9);
 const SCATTERING_PI: f32 = 3.14159265358979;
 
 struct FibreParameters {
@@ -63,8 +65,8 @@ struct FibreShading {
     inner: array<vec4<f32>, 2>,
     core: array<vec4<f32>, 2>,
     dense_share: vec3<f32>,
-    // Azimuthal blur of warped (R, TRcT), narrowed (TT) and plain (TRT) series; terms of the series.
-    blur: vec3<f32>,
+    // Azimuthal blur of R, TT, TRT and TRcT; terms of the series.
+    blur: vec4<f32>,
     harmonics: u32,
     // Sines and cosines of the eye's shifted inclination and the widths: R, TT, TRT, TRcT.
     eye_sin: vec4<f32>,
@@ -74,6 +76,8 @@ struct FibreShading {
     structural: bool,
     aspect: f32,
     surface_aspect: f32,
+    // Of TRcT's warp, which fades out where the eye sees a flat fibre edge on.
+    core_aspect: f32,
     eta: f32,
     cos_eye: f32,
     azimuth: vec2<f32>,
@@ -296,7 +300,8 @@ fn fibre_shading(
     let blur = max(p.azimuthal_roughness, 1.6 / f32(harmonics));
     let warped = blur * fibre_stretch(p.aspect, eye.azimuth);
     let narrowed = blur * inverseSqrt(p.aspect);
-    s.blur = vec3<f32>(warped, narrowed, blur);
+    s.core_aspect = mix(p.aspect, 1.0, smoothstep(FIBRE_EDGE_ON.x, FIBRE_EDGE_ON.y, eye.azimuth.x * eye.azimuth.x));
+    s.blur = vec4<f32>(warped, narrowed, blur, blur * fibre_stretch(s.core_aspect, eye.azimuth));
     s.harmonics = harmonics;
     s.surface = fibre_damped(row.surface, warped, harmonics);
     s.clear = fibre_damped(row.clear, narrowed, harmonics);
@@ -304,7 +309,7 @@ fn fibre_shading(
     s.inner = fibre_damped(row.inner, blur, harmonics);
     s.core = array<vec4<f32>, 2>(vec4<f32>(0.0), vec4<f32>(0.0));
     if p.structural {
-        s.core = fibre_damped(row.core, warped, harmonics);
+        s.core = fibre_damped(row.core, s.blur.w, harmonics);
         s.medulla = vec3<f32>(0.0);
     } else {
         let forward = select(1.0, -1.0, eye.sine < 0.0);
@@ -377,14 +382,14 @@ fn fibre_evaluate(s: FibreShading, omega_i: vec3<f32>) -> vec3<f32> {
     var reflected = azimuthal(s.surface, cosines);
     var shrink = 1.0;
     if s.aspect < FIBRE_ROUND {
-        let a = s.aspect;
+        let a = s.core_aspect;
         let hit = middle.x * middle.x + a * a * middle.y * middle.y;
         let seen = a * a * o.x * o.x + o.y * o.y;
         let d = a * (middle.y * o.y + middle.x * o.x) * inverseSqrt(max(hit * seen, 1e-12));
         reflect_cosines = fibre_cosines(clamp(2.0 * d * d - 1.0, -1.0, 1.0), s.fine);
         jacobian = a / max(hit, 1e-6);
         reflected = fibre_flat_surface(s, middle) / max(s.energy_surface, 1e-6);
-        let root = sqrt(a);
+        let root = sqrt(s.aspect);
         let bend = fibre_acos(-cos_phi) / root;
         shrink = select(1.0 / root, 0.0, bend > SCATTERING_PI);
         through_cosines = fibre_cosines(-cos(bend), s.fine);

@@ -44,7 +44,7 @@ fn fibre_azimuths(s: FibreShading, light: vec2<f32>) -> FibreAzimuths {
     out.through = turn;
     out.shrink = 1.0;
     if s.aspect < FIBRE_ROUND {
-        let core = fibre_warp(s.aspect, o, out.middle);
+        let core = fibre_warp(s.core_aspect, o, out.middle);
         let surface = fibre_warp(s.surface_aspect, o, out.middle);
         out.core = core.xy;
         out.stretch = core.z;

@@ -225,18 +225,18 @@ fn fibre_near(
     near.shading.energy_through = through * entering;
     near.shading.energy_inner = returned * entering;
     near.shading.energy_fourth = fourth * entering;
-    near.shading.blur = max(s.blur, vec3<f32>(NEAR_TERMS / f32(s.harmonics)));
+    near.shading.blur = max(s.blur, vec4<f32>(NEAR_TERMS / f32(s.harmonics)));
     let blur = near.shading.blur;
     near.shading.surface = near_damped(surface.even, surface.energy, blur.x, s.harmonics);
     near.shading.clear = near_damped(clear.even, clear.energy, blur.y, s.harmonics);
     near.shading.dense = near_damped(dense.even, dense.energy, blur.y, s.harmonics);
     near.shading.inner = near_damped(inner.even, inner.energy, blur.z, s.harmonics);
-    near.shading.core = near_damped(mirror.even, mirror.energy, blur.x, s.harmonics);
+    near.shading.core = near_damped(mirror.even, mirror.energy, blur.w, s.harmonics);
     near.surface = near_damped(surface.odd, surface.energy, blur.x, s.harmonics);
     near.clear = near_damped(clear.odd, clear.energy, blur.y, s.harmonics);
     near.dense = near_damped(dense.odd, dense.energy, blur.y, s.harmonics);
     near.inner = near_damped(inner.odd, inner.energy, blur.z, s.harmonics);
-    near.core = near_damped(mirror.odd, mirror.energy, blur.x, s.harmonics);
+    near.core = near_damped(mirror.odd, mirror.energy, blur.w, s.harmonics);
     return near;
 }
 

@@ -114,7 +114,7 @@ fn sample_unwarp(s: FibreShading, lobe: u32, warped: f32) -> vec2<f32> {
     var phi = warped;
     if s.aspect < FIBRE_ROUND {
         if lobe == 0u || (lobe == 3u && s.structural) {
-            let a = select(s.aspect, s.surface_aspect, lobe == 0u);
+            let a = select(s.core_aspect, s.surface_aspect, lobe == 0u);
             let sine = sin(0.5 * warped);
             let cosine = cos(0.5 * warped);
             let t = vec2<f32>(a * o.x, o.y);
