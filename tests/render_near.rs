@@ -21,7 +21,7 @@ fn barbs(stage: &mut Stage, light: Vec3) -> Vec<f32> {
     stage.picture().iter().map(|p| p[0] + p[1] + p[2]).collect()
 }
 
-/// Sum of products of `a`, moved up by `rows`, and `b`, both less their means.
+/// Sum of products of `a`, moved down by `rows`, and `b`, both less their means.
 fn correlation(a: &[f32], b: &[f32], rows: i64) -> f32 {
     let mean = |p: &[f32]| p.iter().sum::<f32>() / p.len() as f32;
     let (ma, mb) = (mean(a), mean(b));
@@ -62,14 +62,12 @@ fn highlights_of_barbs_lie_towards_the_light() {
         let down = barbs(&mut stage, Vec3::new(0.0, -1.0, 1.0));
         let contrast = correlation(&up, &up, 0);
         assert!(contrast > 0.0, "nothing to see");
-        let (towards, away) = (correlation(&up, &down, 2), correlation(&up, &down, -2));
-        println!(
-            "at {place}: towards the light {towards:.3}, away {away:.3}, contrast {contrast:.3}"
-        );
+        let (together, apart) = (correlation(&up, &down, 2), correlation(&up, &down, -2));
+        println!("at {place}: {together:.3}, the other way {apart:.3}, contrast {contrast:.3}");
         // Moved down by two rows, what the upper sun lights up falls on what the lower sun does.
         assert!(
-            away > towards + 0.02 * contrast,
-            "{towards} {away} of {contrast}"
+            together > apart + 0.02 * contrast,
+            "{together} {apart} of {contrast}"
         );
     }
 }

@@ -196,8 +196,8 @@ fn the_whole_furnace_holds_far_and_near() {
                     let mut s = shade(&table, 1.0, o, 0.0);
                     // White: nothing is absorbed.
                     let entering = (1.0 - s.energy[0][0]) / (1.0 - row[0][0]);
-                    for lobe in 1..4 {
-                        s.energy[lobe] = [row[0][lobe] * entering; 3];
+                    for (energy, row) in s.energy.iter_mut().zip(row[0]).skip(1) {
+                        *energy = [row * entering; 3];
                     }
                     s.dense = [0.0; 3];
                     let sum = furnace(&s, theta, 96)[0];

@@ -123,8 +123,8 @@ fn white_fibres_have_weight_one() {
             let mut s = prepare(&fibre, [1.0; 3], theta, 0.0);
             let row = table.row(theta.cos());
             let entering = (1.0 - s.energy[0][0]) / (1.0 - row[0][0]);
-            for lobe in 1..4 {
-                s.energy[lobe] = [row[0][lobe] * entering; 3];
+            for (energy, row) in s.energy.iter_mut().zip(row[0]).skip(1) {
+                *energy = [row * entering; 3];
             }
             s.dense = [0.0; 3];
             let [_, _, mean, largest] = judge(&s, 20_000, 5);

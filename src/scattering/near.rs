@@ -188,17 +188,18 @@ pub fn fibre_near<T: Float>(
     }
     let inverse = one / width.max(real(1e-9));
     let entering = entering(p, row, &s);
-    for ch in 0..3 {
-        s.energy[0][ch] = energy[0][ch] * inverse;
-        s.energy[1][ch] = energy[1][ch] * inverse * entering;
-        s.energy[2][ch] = energy[2][ch] * inverse * entering;
+    let scale = [inverse, inverse * entering, inverse * entering];
+    for (lobe, scale) in scale.into_iter().enumerate() {
+        s.energy[lobe] = energy[lobe].map(|e| e * scale);
+    }
+    s.energy[3] = std::array::from_fn(|ch| {
         let own = if p.structural {
             one
         } else {
             gamma_transmittance(row[2][0], row[2][1], colour.absorption[ch])
         };
-        s.energy[3][ch] = energy[3][ch] * inverse * entering * own;
-    }
+        energy[3][ch] * scale[1] * own
+    });
     // What the mean over h smooths in the far field would ring here: blur to what the terms can show.
     let harmonics = harmonics.clamp(1, FIBRE_HARMONICS as u32);
     let least = real::<T>(NEAR_TERMS) / real(f64::from(harmonics));
@@ -289,8 +290,8 @@ fn add_segment<T: Float>(
     } else {
         (one - clear[0] - clear[1] - clear[2]).max(zero)
     };
-    for ch in 0..3 {
-        let t = attenuation(c, None, medulla, colour.absorption[ch]);
+    for (ch, absorption) in colour.absorption.into_iter().enumerate() {
+        let t = attenuation(c, None, medulla, absorption);
         energy[1][ch] = energy[1][ch] + t[1] * weight;
         energy[2][ch] = energy[2][ch] + t[2] * weight;
         energy[3][ch] = energy[3][ch] + scattered * weight;
