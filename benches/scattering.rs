@@ -230,14 +230,14 @@ fn quadrature(p: scattering::FibreParameters, albedo: vec3<f32>, o: vec3<f32>, l
 const KERNELS: [(&str, &str, &str); 6] = [
     ("no light (overhead)", "", "sum += light;"),
     (
-        "quadrature, 64 nodes",
-        "",
-        "sum += quadrature(p, albedo, eye, light);",
-    ),
-    (
         "series, 8 terms",
         "let s = scattering::fibre_shading(p, row, albedo, eye, 0.0, 8u);",
         "sum += scattering::fibre_evaluate(s, light);",
+    ),
+    (
+        "quadrature, 64 nodes",
+        "",
+        "sum += quadrature(p, albedo, eye, light);",
     ),
     (
         "three terms",

@@ -216,7 +216,7 @@ fn near_field_and_sampling_agree_with_the_crate() {
         worst[0], worst[1], worst[2], worst[3]
     );
     assert!(
-        worst[0] < 1e-3 && worst[1] < 1e-3 && worst[2] < 1e-3,
+        worst[..3].iter().all(|w| *w < 5e-5) && worst[3] < 1e-3,
         "{worst:?}"
     );
     assert!(off * 200 < compared, "{off} of {compared} samples differ");
