@@ -27,4 +27,11 @@ show single_feather feather --size 480x640
 show single_feather feather_back --size 480x640 --camera back
 show single_feather feather_closeup --size 640x480 --camera closeup
 show single_feather feather_macro --size 640x480 --camera macro
+for side in full back; do
+    show single_feather "covert_parrot_$side" --size 360x480 --feather macaw_blue --camera "$side" --env-samples 64
+    show single_feather "covert_eagle_$side" --size 360x480 --feather eagle_greater --camera "$side" --env-samples 64
+done
+show single_feather feather_backlight --size 360x480 --backlight --env-samples 64
+show eagle eagle_rim --size 640x480 --time 0 --backlight
+show single_feather feather_barbs --size 640x480 --camera macro --distance 2.5
 echo "gallery: all pictures are in $out/"

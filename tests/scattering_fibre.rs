@@ -88,14 +88,18 @@ fn longitudinal_lobe_is_normalised() {
                     let light = t.sin_cos();
                     let m = longitudinal(eye, light, beta);
                     sum += m * t.cos() * weight * half;
-                    let single = longitudinal(
+                    // The same rounded numbers for both.
+                    let (e, l) = (
                         (eye.0 as f32, eye.1 as f32),
                         (light.0 as f32, light.1 as f32),
-                        beta as f32,
                     );
+                    let wide = |x: (f32, f32)| (f64::from(x.0), f64::from(x.1));
+                    let exact = longitudinal(wide(e), wide(l), f64::from(beta as f32));
+                    let single = longitudinal(e, l, beta as f32);
+                    let peak = 1.0 / ((2.0 * PI).sqrt() * beta);
                     assert!(
-                        (f64::from(single) - m).abs() <= 4e-5 / (beta * beta),
-                        "beta {beta}: {single} {m}"
+                        (f64::from(single) - exact).abs() <= 1e-5 * peak.max(exact),
+                        "beta {beta}: {single} {exact}"
                     );
                 }
             }
@@ -153,7 +157,7 @@ fn dense_azimuth(core: f64, cos_theta: f64, absorption: f64, beta: f64, phi: f64
 
 #[test]
 fn series_agrees_with_dense_quadrature() {
-    let mut errors = Vec::new();
+    let (mut errors, mut threes) = (Vec::new(), Vec::new());
     for (core, theta) in [
         (0.0, 0.1),
         (0.0, 1.0),
@@ -168,40 +172,49 @@ fn series_agrees_with_dense_quadrature() {
                 azimuthal_roughness: beta as f32,
                 ..structural(core as f32)
             });
-            let mut s = shade(&table, 0.5, direction(theta, 0.0), 0.0);
             let row = table.row(theta.cos());
-            s.dense = [(2.0 * sigma / (2.0 + sigma)); 3];
-            let scale = |lobe: usize| {
-                row[0][lobe]
-                    * gamma_transmittance(row[1][2 * lobe - 2], row[1][2 * lobe - 1], sigma)
-            };
-            let (energy_tt, energy_trt) = (scale(1), scale(2));
-            let steps = 90;
-            let mut error = 0.0;
-            for i in 0..steps {
-                let phi = PI * (f64::from(i) + 0.5) / f64::from(steps);
-                let truth = dense_azimuth(core, theta.cos(), sigma, beta, phi);
-                let (clear, dense) = (
-                    azimuthal(&s.series[1], phi.cos()),
-                    azimuthal(&s.series[2], phi.cos()),
-                );
-                let model = row[0][0] * azimuthal(&s.series[0], phi.cos())
-                    + energy_tt * (clear + (dense - clear) * s.dense[0])
-                    + energy_trt * azimuthal(&s.series[3], phi.cos());
-                let mut judged = truth[0] + truth[1] + truth[2];
-                let mut model = model / (2.0 * PI);
-                // TRcT gets its colour from the core, not from the cortex: compare it clear.
-                if sigma == 0.0 {
-                    judged += truth[3];
-                    model += row[0][3] * azimuthal(&s.series[4], phi.cos()) / (2.0 * PI);
+            for terms in [8, MEAN_TERMS] {
+                let o = direction(theta, 0.0);
+                let mut s = fibre_shading(&table.fibre(), &row, [0.5; 3], o, 0.0, terms);
+                s.dense = [(2.0 * sigma / (2.0 + sigma)); 3];
+                let scale = |lobe: usize| {
+                    row[0][lobe]
+                        * gamma_transmittance(row[1][2 * lobe - 2], row[1][2 * lobe - 1], sigma)
+                };
+                let (energy_tt, energy_trt) = (scale(1), scale(2));
+                let steps = 90;
+                let mut error = 0.0;
+                for i in 0..steps {
+                    let phi = PI * (f64::from(i) + 0.5) / f64::from(steps);
+                    let truth = dense_azimuth(core, theta.cos(), sigma, beta, phi);
+                    let (clear, dense) = (
+                        azimuthal(&s.series[1], phi.cos()),
+                        azimuthal(&s.series[2], phi.cos()),
+                    );
+                    let model = row[0][0] * azimuthal(&s.series[0], phi.cos())
+                        + energy_tt * (clear + (dense - clear) * s.dense[0])
+                        + energy_trt * azimuthal(&s.series[3], phi.cos());
+                    let mut judged = truth[0] + truth[1] + truth[2];
+                    let mut model = model / (2.0 * PI);
+                    // TRcT gets its colour from the core, not from the cortex: compare it clear.
+                    if sigma == 0.0 {
+                        judged += truth[3];
+                        model += row[0][3] * azimuthal(&s.series[4], phi.cos()) / (2.0 * PI);
+                    }
+                    error += 2.0 * (model - judged).abs() * PI / f64::from(steps);
                 }
-                error += 2.0 * (model - judged).abs() * PI / f64::from(steps);
+                if terms == MEAN_TERMS {
+                    threes.push(error);
+                    continue;
+                }
+                errors.push(error);
+                // A thin core at the least roughness is the worst: eight terms leave 0.018.
+                let bound = if beta > 0.2 { 0.012 } else { 0.02 };
+                assert!(
+                    error <= bound,
+                    "core {core} theta {theta} beta {beta} sigma {sigma}: L1 {error}"
+                );
             }
-            errors.push(error);
-            assert!(
-                error <= 0.03,
-                "core {core} theta {theta} beta {beta} sigma {sigma}: L1 {error}"
-            );
         }
     }
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
@@ -209,12 +222,19 @@ fn series_agrees_with_dense_quadrature() {
         "series: L1 mean {mean:.4}, worst {:.4}",
         errors.iter().fold(0.0, |a: f64, &b| a.max(b))
     );
-    assert!(mean <= 0.012, "{mean}");
+    assert!(mean <= 0.01, "{mean}");
+    let three = threes.iter().sum::<f64>() / threes.len() as f64;
+    println!("three terms: L1 mean {three:.4}");
+    assert!(three <= 0.07, "{three}");
+    // Four fibre kinds of a feather, as the GPU holds them.
+    let bytes = 4 * 16 * FIBRE_ROWS * FIBRE_ROW_VEC4S;
+    println!("tables of a feather: {bytes} bytes");
+    assert!(bytes <= 24 * 1024);
 }
 
 #[test]
 fn albedo_comes_back_from_the_furnace() {
-    let mut worst: f64 = 0.0;
+    let mut worst = [0.0_f64; 2];
     for fibre in [
         structural(0.3),
         structural(0.65),
@@ -227,17 +247,26 @@ fn albedo_comes_back_from_the_furnace() {
         pigment(0.4, 2.0, 0.4),
     ] {
         let table = FibreTable::build(&fibre);
+        let mirror =
+            matches!(fibre.kind, FibreKind::Structural { core_radius } if core_radius > 0.6);
         let mut before = 0.0;
-        for a in [0.09, 0.1, 0.2, 0.4, 0.7, 0.9, 0.99] {
+        for a in [0.085, 0.1, 0.2, 0.3, 0.4, 0.55, 0.7, 0.9, 0.99] {
             let s = shade(&table, a, [0.0, 0.0, 1.0], 0.0);
             let got = furnace(&s, 0.0, 48)[0];
-            worst = worst.max((got - a).abs());
-            assert!((got - a).abs() <= 0.015, "{fibre:?}: {a} gives {got}");
+            let kind = usize::from(!mirror);
+            worst[kind] = worst[kind].max((got - a).abs());
+            assert!(
+                (got - a).abs() <= [0.002, 0.012][kind],
+                "{fibre:?}: {a} gives {got}"
+            );
             assert!(got > before);
             before = got;
         }
     }
-    println!("albedo round trip: worst {worst:.4}");
+    println!(
+        "albedo round trip: mirror cores {:.4}, absorbing fibres {:.4}",
+        worst[0], worst[1]
+    );
 }
 
 /// Shape of R and TRcT, each to unit energy: the warp keeps a round fibre's energy, the surface of an ellipse reflects up to 1.5
@@ -256,7 +285,7 @@ fn flat_fibres_scatter_the_energy_they_claim() {
                 let (sum, claimed) = (furnace(&s, theta, 360)[0], fibre_albedo(&s)[0]);
                 worst = worst.max((sum - claimed).abs());
                 assert!(
-                    (sum - claimed).abs() < 0.002,
+                    (sum - claimed).abs() < 0.001,
                     "aspect {aspect} eye {eye}: {sum} against {claimed}"
                 );
             }
@@ -373,6 +402,47 @@ fn clear_longitudinal_part_is_reciprocal() {
         let (i, o): ((f64, f64), (f64, f64)) = (f64::sin_cos(a), f64::sin_cos(b));
         assert!((longitudinal(o, i, 0.2) - longitudinal(i, o, 0.2)).abs() < 1e-12);
     }
+}
+
+#[test]
+fn visibility_is_reciprocal_and_has_the_stated_mean() {
+    // Share of the eye's view times |cos| and of the light's times |cos| are one function of the direction: w V is symmetric.
+    for coverage in [0.2, 0.6, 1.0] {
+        let mut sum = 0.0;
+        for (theta, phi) in [(0.0, 0.3), (0.7, 1.2), (-1.2, 1.5), (0.2, 2.9)] {
+            let d = direction(theta, phi);
+            let cos = (d[1] * d[1] + d[2] * d[2]).sqrt();
+            let seen = light_visibility(d[2], coverage, cos);
+            let weight = (coverage * cos / d[2].abs()).min(1.0);
+            assert!((seen * coverage * cos - weight * d[2].abs()).abs() < 1e-12);
+        }
+        let n = 20_000;
+        for i in 0..n {
+            let d = direction(0.4, 2.0 * PI * (f64::from(i) + 0.5) / f64::from(n));
+            sum += light_visibility(d[2], coverage, 0.4_f64.cos()) / f64::from(n);
+        }
+        assert!(
+            (sum - mean_visibility(coverage)).abs() < 1e-4,
+            "{coverage}: {sum}"
+        );
+    }
+    assert!(mean_visibility(f64::NAN) <= 1.0 && mean_visibility(0.0_f64) > 0.999);
+}
+
+#[test]
+fn one_number_picks_the_tier() {
+    // 1/255: the chooser's 0.275.
+    assert_eq!(fibre_terms(0.275, 0.2), 8);
+    assert_eq!(fibre_terms(0.275, 0.4), 5);
+    assert_eq!(fibre_terms(0.275, 2.0), MEAN_TERMS);
+    assert!(fibre_terms(0.275, 0.4) < fibre_terms(0.38, 0.4));
+    assert_eq!(fibre_terms(f64::NAN, f64::NAN), fibre_terms(0.0, 0.05));
+    let limit = near_limit(0.275_f64);
+    assert!((limit - 1.05).abs() < 0.01);
+    assert_eq!(near_deviation(0.2, 0.275_f64), Some(0.2));
+    assert!(near_deviation(0.99 * limit, 0.275).is_some_and(|d| d > 10.0));
+    assert_eq!(near_deviation(limit, 0.275), None);
+    assert_eq!(near_deviation(f64::NAN, 0.275), None);
 }
 
 #[test]

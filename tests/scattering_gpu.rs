@@ -1,10 +1,12 @@
 //! The shader twins against the double-precision functions of the crate, on random and extreme input.
 
 mod common;
+mod scattering_common;
 
 use bevy_plumage::scattering::{reference::uniform, *};
 use common::gpu::{compose, run};
 use rand_pcg::Pcg64Mcg;
+use scattering_common::cases::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 const ENTRY: &str = "
@@ -56,86 +58,6 @@ fn evaluate(i: u32) {
     output[out + 11u] = local.x + 2.0 * local.y + 3.0 * local.z;
 }
 ";
-
-struct Case {
-    fibre: usize,
-    albedo: [f32; 3],
-    omega_o: [f32; 3],
-    omega_i: [f32; 3],
-    dark_back: f32,
-    harmonics: u32,
-}
-
-fn fibres() -> Vec<Fibre> {
-    let mut list = Vec::new();
-    for (i, core_radius) in [0.0, 0.3, 0.6, 0.7, 0.9].into_iter().enumerate() {
-        list.push(Fibre {
-            kind: FibreKind::Structural { core_radius },
-            longitudinal_roughness: [0.05, 0.1, 0.2, 0.4, 0.8][i],
-            azimuthal_roughness: [0.2, 0.3, 0.5, 0.25, 0.9][i],
-            aspect: [1.0, 0.4, 1.0, 0.7, 0.2][i],
-            ..Fibre::default()
-        });
-    }
-    list.push(Fibre::default());
-    list.push(Fibre {
-        tilt: 0.15,
-        kind: FibreKind::Pigment {
-            medulla_radius: 0.5,
-            scattering: 6.0,
-            anisotropy: 0.7,
-        },
-        ..Fibre::default()
-    });
-    list.push(Fibre {
-        eta: 1.4,
-        aspect: 0.5,
-        longitudinal_roughness: 0.01,
-        ..Fibre::default()
-    });
-    list
-}
-
-fn pack(tables: &[FibreTable], cases: &[Case]) -> Vec<f32> {
-    let mut input = vec![tables.len() as f32, 0.0, 0.0, 0.0];
-    for t in tables {
-        input.extend(t.pack_parameters().iter().flatten());
-        input.extend(t.pack_rows().iter().flatten());
-    }
-    for c in cases {
-        input.push(c.fibre as f32);
-        input.extend(c.albedo.iter().chain(&c.omega_o).chain(&c.omega_i));
-        input.extend([c.dark_back, c.harmonics as f32]);
-    }
-    input
-}
-
-/// The same in double precision, on the very numbers that the GPU gets.
-fn shade(table: &FibreTable, c: &Case) -> FibreShading<f64> {
-    let o = c.omega_o.map(f64::from);
-    let [p, q, r] = table.pack_parameters().map(|v| v.map(f64::from));
-    let (i, f) = fibre_row_at((o[1] * o[1] + o[2] * o[2]).sqrt());
-    let rows: Vec<FibreRow<f64>> = table
-        .rows
-        .iter()
-        .map(|r| r.map(|v| v.map(|x| f64::from(x as f32))))
-        .collect();
-    let row = fibre_row_mix(&rows[i], &rows[i + 1], f);
-    fibre_shading(
-        &fibre_parameters(p, q, r),
-        &row,
-        c.albedo.map(f64::from),
-        o,
-        f64::from(c.dark_back),
-        c.harmonics,
-    )
-}
-
-fn on_sphere(random: &mut Pcg64Mcg) -> [f32; 3] {
-    let (z, a) = (2.0 * uniform(random) - 1.0, 2.0 * PI * uniform(random));
-    let r = (1.0 - z * z).sqrt();
-    [(r * a.cos()) as f32, (r * a.sin()) as f32, z as f32]
-}
 
 #[test]
 fn shader_modules_compile() {

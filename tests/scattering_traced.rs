@@ -7,6 +7,7 @@ use bevy_plumage::scattering::{
     *,
 };
 use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
 use scattering_common::*;
 use std::f64::consts::PI;
 
@@ -64,6 +65,84 @@ fn lobe_energies_agree_with_traced_rays() {
     );
 }
 
+/// One exit of each ray, drawn by its share of the power: the numbers in the bins are counts.
+#[test]
+fn azimuths_of_traced_rays_pass_a_chi_square_test() {
+    let mut random = Pcg64Mcg::new(15);
+    let (bins, count) = (72, 60_000);
+    for (theta, core) in [
+        (0.0, 0.0),
+        (0.5, 0.3),
+        (0.0, 0.5),
+        (1.0, 0.65),
+        (1.35, 0.8),
+        (0.5, 0.95_f64),
+    ] {
+        let traced = TracedFibre {
+            inner: core,
+            mirror: Some(1.0),
+            ..TracedFibre::clear(1.55)
+        };
+        // The model's lobes hold the first order of each series in their direction; what comes later is put there too, and is
+        // left out here on both sides.
+        let mut seen = vec![0.0; bins];
+        let bin = |phi: f64| {
+            let x = (phi / (2.0 * PI) + 0.5).rem_euclid(1.0);
+            ((x * bins as f64) as usize).min(bins - 1)
+        };
+        for i in 0..count {
+            let h = 2.0 * (i as f64 + uniform(&mut random)) / count as f64 - 1.0;
+            let mut pick = uniform(&mut random);
+            let h = h.clamp(-0.999_999_9, 0.999_999_9);
+            traced.trace(theta, 0.0, h, &mut Pcg64Mcg::new(1), |e| {
+                let before = pick;
+                pick -= e.weight;
+                let later = e.history.inner_reflections
+                    > u32::from(e.history.core_reflections == 0)
+                    || e.history.core_reflections > 1;
+                if before >= 0.0 && pick < 0.0 && !later {
+                    seen[bin(e.azimuth(0.0))] += 1.0;
+                }
+            });
+        }
+        let mut expected = vec![0.0; bins];
+        let fine = 400_000;
+        for i in 0..fine {
+            let h = 2.0 * (f64::from(i) + 0.5) / f64::from(fine) - 1.0;
+            let c = crossing(1.55, theta.cos(), h);
+            let a = attenuation(&c, Some((core, 1.0)), (0.0, 0.0), 0.0);
+            for (lobe, kind) in [Lobe::R, Lobe::TT, Lobe::TRT, Lobe::TRcT]
+                .into_iter()
+                .enumerate()
+            {
+                // Without the closed rest of the series.
+                let first = if lobe >= 2 { 1.0 - c.fresnel } else { 1.0 };
+                expected[bin(exit_angle(kind, &c, core))] +=
+                    a[lobe] * first * count as f64 / f64::from(fine);
+            }
+        }
+        let (mut chi, mut freedom, mut apart) = (0.0, 0.0, 0.0);
+        for (s, e) in seen.iter().zip(&expected) {
+            apart += 0.5 * (s - e).abs() / count as f64;
+            if *e > 20.0 {
+                chi += (s - e).powi(2) / e;
+                freedom += 1.0;
+            }
+        }
+        // Wilson and Hilferty's normal deviate; p > 1e-4.
+        let spread = 2.0 / (9.0 * freedom);
+        let deviate = ((chi / freedom).cbrt() - (1.0 - spread)) / spread.sqrt();
+        println!(
+            "theta {theta} core {core}: chi-square {chi:.0} of {freedom}, total variation {apart:.4}"
+        );
+        assert!(
+            deviate < 3.72,
+            "theta {theta} core {core}: {chi} of {freedom}"
+        );
+        assert!(apart <= 0.01, "{apart}");
+    }
+}
+
 #[test]
 fn exit_angles_agree_with_traced_rays() {
     let mut random = Pcg64Mcg::new(1);
@@ -91,7 +170,7 @@ fn exit_angles_agree_with_traced_rays() {
                         exit_angle([Lobe::R, Lobe::TT, Lobe::TRT, Lobe::TRcT][lobe], &c, core);
                     let d = (e.azimuth(0.0) - expected) / (2.0 * PI);
                     assert!(
-                        (d - d.round()).abs() < 1e-7,
+                        (d - d.round()).abs() < 1e-9,
                         "lobe {lobe} h {h}: {} against {expected}",
                         e.azimuth(0.0)
                     );
@@ -108,85 +187,153 @@ fn exit_angles_agree_with_traced_rays() {
     assert!((d / (2.0 * PI) - (d / (2.0 * PI)).round()).abs() < 1e-9);
 }
 
+/// The medulla's light of a traced fibre over rings of sin theta_i and sectors of phi, with the energies of the five lobes.
+fn traced_medulla(
+    setting: (f64, f64, f64, f64),
+    seed: u64,
+    count: usize,
+    (rings, sectors): (usize, usize),
+) -> (Vec<f64>, [f64; 5]) {
+    let (kappa, tau, g, theta) = setting;
+    let traced = TracedFibre {
+        inner: kappa,
+        scattering: tau / kappa,
+        anisotropy: g,
+        ..TracedFibre::clear(1.55)
+    };
+    let mut random = Pcg64Mcg::new(seed.into());
+    let mut bins = vec![0.0; rings * sectors];
+    let mut energies = [0.0; 5];
+    for i in 0..count {
+        let h = 2.0 * (i as f64 + uniform(&mut random)) / count as f64 - 1.0;
+        let h = h.clamp(-0.999_999, 0.999_999);
+        traced.trace(theta, 0.0, h, &mut random, |e| {
+            energies[e.history.lobe()] += e.weight / count as f64;
+            if e.history.lobe() == 4 {
+                let ring = ((e.direction[0] + 1.0) * 0.5 * rings as f64) as usize;
+                let sector = ((e.azimuth(0.0) + PI) / (2.0 * PI) * sectors as f64) as usize;
+                bins[ring.min(rings - 1) * sectors + sector.min(sectors - 1)] +=
+                    e.weight / count as f64;
+            }
+        });
+    }
+    (bins, energies)
+}
+
 #[test]
 fn medulla_agrees_with_traced_paths() {
-    let mut random = Pcg64Mcg::new(99);
-    for (kappa, tau, g, theta) in [
+    let settings = [
         (0.85, 2.0, 0.4, 0.0),
         (0.85, 6.0, 0.4, 0.6),
         (0.6, 3.0, 0.2, 0.3),
         (0.95, 2.0, 0.5, 0.9),
         (0.7, 4.0, 0.0, 1.1_f64),
         (0.5, 8.0, 0.6, 0.2),
-    ] {
-        let traced = TracedFibre {
-            inner: kappa,
-            scattering: tau / kappa,
-            anisotropy: g,
-            ..TracedFibre::clear(1.55)
-        };
-        let table = FibreTable::build(&pigment(kappa as f32, tau as f32, g as f32));
-        let row = table.row(theta.cos());
-        let (count, rings, sectors) = (60_000, 12, 16);
-        let mut bins = vec![0.0; rings * sectors];
-        let mut energies = [0.0; 5];
-        for i in 0..count {
-            let h = 2.0 * (i as f64 + uniform(&mut random)) / count as f64 - 1.0;
-            traced.trace(
-                theta,
-                0.0,
-                h.clamp(-0.999_999, 0.999_999),
-                &mut random,
-                |e| {
-                    energies[e.history.lobe()] += e.weight / count as f64;
-                    if e.history.lobe() == 4 {
-                        let ring = ((e.direction[0] + 1.0) * 0.5 * rings as f64) as usize;
-                        let sector = ((e.azimuth(0.0) + PI) / (2.0 * PI) * sectors as f64) as usize;
-                        bins[ring.min(rings - 1) * sectors + sector.min(sectors - 1)] +=
-                            e.weight / count as f64;
-                    }
-                },
-            );
-        }
-        assert!(
-            (row[0][3] - energies[4]).abs() < 0.006,
-            "energy {} against {}",
-            row[0][3],
-            energies[4]
-        );
-        for lobe in 0..3 {
+        (0.75, 1.5, 0.2, 0.5),
+        (0.9, 8.0, 0.8, 0.7),
+        (0.8, 5.0, 0.6, 1.2),
+        (0.65, 2.5, 0.5, 0.4),
+    ];
+    let (count, rings, sectors) = (120_000, 12, 16);
+    let worst: Vec<f64> = settings
+        .into_par_iter()
+        .map(|setting| {
+            let (kappa, tau, g, theta) = setting;
+            let table = FibreTable::build(&pigment(kappa as f32, tau as f32, g as f32));
+            let row = table.row(theta.cos());
+            let (bins, energies) = traced_medulla(setting, 99, count, (rings, sectors));
             assert!(
-                (row[0][lobe] - energies[lobe]).abs() < 0.004,
-                "lobe {lobe} {} {}",
-                row[0][lobe],
-                energies[lobe]
+                (row[0][3] - energies[4]).abs() < 0.004,
+                "energy {} against {}",
+                row[0][3],
+                energies[4]
             );
-        }
-        // Only the medulla's lobe, integrated over each bin.
-        let mut s = shade(&table, 0.9, direction(theta, 0.0), 0.0);
-        whiten(&mut s, &row);
-        s.energy[0] = [0.0; 3];
-        s.energy[1] = [0.0; 3];
-        s.energy[2] = [0.0; 3];
-        let mut l1 = 0.0;
-        for ring in 0..rings {
-            for sector in 0..sectors {
+            for lobe in 0..3 {
+                assert!(
+                    (row[0][lobe] - energies[lobe]).abs() < 0.004,
+                    "lobe {lobe} {} {}",
+                    row[0][lobe],
+                    energies[lobe]
+                );
+            }
+            // Only the medulla's lobe, integrated over each bin.
+            let mut s = shade(&table, 0.9, direction(theta, 0.0), 0.0);
+            whiten(&mut s, &row);
+            for other in 0..3 {
+                s.energy[other] = [0.0; 3];
+            }
+            let mut l1 = 0.0;
+            for (at, bin) in bins.iter().enumerate() {
                 let mut model = 0.0;
                 for k in 0..16 {
-                    let x: f64 =
-                        -1.0 + 2.0 * (ring as f64 + (f64::from(k % 4) + 0.5) / 4.0) / rings as f64;
-                    let phi = -PI
-                        + 2.0 * PI * (sector as f64 + (f64::from(k / 4) + 0.5) / 4.0)
-                            / sectors as f64;
-                    model += fibre_evaluate(&s, direction(x.asin(), phi))[0];
+                    let x = ((at / sectors) as f64 + (f64::from(k % 4) + 0.5) / 4.0) / rings as f64;
+                    let y =
+                        ((at % sectors) as f64 + (f64::from(k / 4) + 0.5) / 4.0) / sectors as f64;
+                    let light = direction((2.0 * x - 1.0).asin(), PI * (2.0 * y - 1.0));
+                    model += fibre_evaluate(&s, light)[0];
                 }
-                model *= 2.0 / rings as f64 * 2.0 * PI / sectors as f64 / 16.0;
-                l1 += (model - bins[ring * sectors + sector]).abs();
+                l1 += (model * 4.0 * PI / (rings * sectors) as f64 / 16.0 - bin).abs();
             }
+            let l1 = l1 / energies[4];
+            // Chance alone: the mean of |x| of each bin's normal error.
+            let noise: f64 = bins
+                .iter()
+                .map(|b| (2.0 / PI * b / count as f64).sqrt())
+                .sum::<f64>()
+                / energies[4];
+            println!(
+                "medulla kappa {kappa} tau {tau} g {g} theta {theta}: L1 {l1:.3}, noise {noise:.3}"
+            );
+            l1
+        })
+        .collect();
+    for l1 in worst {
+        assert!(l1 <= 0.07, "{l1}");
+    }
+}
+
+/// R of a smooth ellipse: the warp is exact.
+#[test]
+fn reflection_of_a_smooth_ellipse_is_exact() {
+    let mut random = Pcg64Mcg::new(31);
+    let bins = 60;
+    for aspect in [0.6, 0.4] {
+        for eye in [0.0, 0.7, 1.4_f64] {
+            let traced = TracedFibre {
+                aspect,
+                ..TracedFibre::clear(1.55)
+            };
+            let truth = &traced.histogram(0.0, eye, 120_000, bins, &mut random)[0];
+            let fibre = Fibre {
+                aspect: aspect as f32,
+                azimuthal_roughness: 0.05,
+                ..structural(0.0)
+            };
+            let mut s = shade(&FibreTable::build(&fibre), 0.5, direction(0.0, eye), 0.0);
+            s.energy[1] = [0.0; 3];
+            s.energy[2] = [0.0; 3];
+            let m = longitudinal(s.eye[0], (0.0, 1.0), s.width[0]);
+            let (mut error, mut sum) = (0.0, 0.0);
+            for (i, t) in truth.iter().enumerate() {
+                let model: f64 = (0..20)
+                    .map(|k| (i as f64 + (f64::from(k) + 0.5) / 20.0) / bins as f64)
+                    .map(|x| {
+                        fibre_evaluate(&s, direction(0.0, eye - PI + 2.0 * PI * x))[0] / m / 20.0
+                    })
+                    .sum();
+                error += (model - t).abs();
+                sum += t;
+            }
+            println!(
+                "R of a smooth ellipse {aspect} seen at {eye}: L1 {:.4}",
+                error / sum
+            );
+            assert!(
+                error / sum <= 0.005,
+                "aspect {aspect} eye {eye}: {}",
+                error / sum
+            );
         }
-        let l1 = l1 / energies[4];
-        println!("medulla kappa {kappa} tau {tau} g {g} theta {theta}: L1 {l1:.3}");
-        assert!(l1 <= 0.09, "{l1}");
     }
 }
 
@@ -195,7 +342,7 @@ fn flat_fibres_agree_with_traced_ellipses() {
     let mut random = Pcg64Mcg::new(3);
     let bins = 60;
     for aspect in [0.6, 0.4] {
-        for eye in [0.0, 0.7, 1.4] {
+        for eye in [0.0, 0.7, 1.1, 1.4] {
             let traced = TracedFibre {
                 aspect,
                 inner: 0.8,
@@ -233,9 +380,10 @@ fn flat_fibres_agree_with_traced_ellipses() {
                     "flat lobe {lobe} aspect {aspect} eye {eye}: L1 {:.3}, as a circle {:.3}",
                     errors[0], errors[1]
                 );
-                // TRcT of a fibre seen edge on is beyond the warp (rays pass beside the core).
-                assert!((lobe == 3 && eye > 1.0) || errors[0] < 0.85 * errors[1]);
-                assert!(errors[0] < if lobe == 0 { 0.15 } else { 0.6 }, "{errors:?}");
+                // Towards edge on the warp of TRcT fades to a circle: rays pass beside the core of a flat fibre.
+                let least = if lobe == 3 && eye > 1.0 { 1.0 } else { 0.85 };
+                assert!(errors[0] < least * errors[1], "{errors:?}");
+                assert!(errors[0] < if lobe == 0 { 0.15 } else { 0.5 }, "{errors:?}");
             }
         }
     }

@@ -71,7 +71,9 @@ const PREPASS: [&str; 7] = [
 ];
 
 /// Options of the view and the ways of transparency, in the combinations that occur.
-const FORWARD_OPTIONS: [&[&str]; 17] = [
+const FORWARD_OPTIONS: [&[&str]; 19] = [
+    &["SAMPLED_ENVIRONMENT"],
+    &["SAMPLED_ENVIRONMENT", "ENVIRONMENT_MAP"],
     &["HASHED"],
     &["ENVIRONMENT_MAP", "HASHED"],
     &["ENVIRONMENT_MAP", "SAMPLE_COVERAGE", "MULTISAMPLED"],

@@ -151,6 +151,12 @@ pub struct Args {
     /// Feather shown by `single_feather`.
     #[arg(long, default_value = "macaw_primary")]
     pub feather: String,
+    /// Samples of the sky per pixel, 0 to 1024; 0 takes the prefiltered maps.
+    #[arg(long, default_value_t = 0)]
+    pub env_samples: u32,
+    /// The sun stands behind the subject.
+    #[arg(long)]
+    pub backlight: bool,
     /// Camera distance relative to the shot's own.
     #[arg(long, default_value_t = 1.0)]
     pub distance: f32,
@@ -185,6 +191,7 @@ impl Args {
             ..default()
         };
         quality.settings.debug_view = self.view.into();
+        quality.settings.environment_samples = self.env_samples;
         quality
     }
 

@@ -64,7 +64,12 @@ impl Sky {
     }
 }
 
-fn spawn_light(mut commands: Commands) {
+fn spawn_light(mut commands: Commands, args: Res<Args>) {
+    let sun = if args.backlight {
+        Vec3::new(0.5, 1.1, -2.2)
+    } else {
+        Vec3::new(0.7, 1.9, 1.9)
+    };
     commands.spawn((
         DirectionalLight {
             illuminance: 23_000.0,
@@ -80,7 +85,7 @@ fn spawn_light(mut commands: Commands) {
             ..default()
         }
         .build(),
-        Transform::from_xyz(0.7, 1.9, 1.9).looking_at(Vec3::ZERO, Vec3::Y),
+        Transform::from_translation(sun).looking_at(Vec3::ZERO, Vec3::Y),
     ));
 }
 

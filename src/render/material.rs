@@ -94,7 +94,7 @@ pub struct FeatherSettings {
     pub debug_view: DebugView,
     /// How coverage is found.
     pub coverage_method: CoverageMethod,
-    /// Samples of the environment map per pixel, 0..64, by importance; 0 (default) takes Bevy's prefiltered maps instead.
+    /// Samples of the environment map per pixel, 0..1024, by importance; 0 (default) takes Bevy's prefiltered maps instead.
     pub environment_samples: u32,
 }
 
@@ -148,7 +148,7 @@ impl From<&FeatherSettings> for GpuFeatherSettings {
             shelter: settings.shelter.clamp(0.0, 1.0),
             dither: u32::from(settings.dither),
             debug_view: settings.debug_view as u32,
-            environment_samples: settings.environment_samples.min(64),
+            environment_samples: settings.environment_samples.min(1024),
         }
     }
 }

@@ -59,7 +59,7 @@ pub fn gamma_fit(sigma1: f64, r1: f64, sigma2: f64, r2: f64) -> (f64, f64) {
 pub fn fibre_colour<T: Float>(p: &FibreParameters<T>, albedo: [T; 3]) -> FibreColour<T> {
     let one = T::one();
     let f = p.fresnel;
-    let series = f * real(0.945);
+    let series = p.round_trips;
     let mut colour = FibreColour::white();
     for (c, &a) in albedo.iter().enumerate() {
         let y = (clamp(a, f + real(0.002), real(0.995)) - f) / (one - f);

@@ -6,13 +6,18 @@ use super::{
 };
 use num_traits::Float;
 
+/// Series of a fibre: R, TT clear, TT dense, TRT, TRcT.
+pub const FIBRE_SERIES: usize = 5;
+
 /// Everything about a fibre and the eye that the lights of a pixel share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FibreShading<T> {
     /// Energy of R, TT, TRT and TRcT (or the medulla) per colour channel; their sum is the albedo at this inclination.
     pub energy: [[T; 3]; 4],
     /// Damped series of R, TT clear, TT dense, TRT, TRcT: factors of cos n phi, n = 1..8, relative to the mean.
-    pub series: [[T; FIBRE_HARMONICS]; 5],
+    pub series: [[T; FIBRE_HARMONICS]; FIBRE_SERIES],
+    /// Azimuthal blur in radians that damped each series.
+    pub blur: [T; FIBRE_SERIES],
     /// How far TT goes from the clear to the dense shape per channel, 0..1.3.
     pub dense: [T; 3],
     /// (sin, cos) of the eye's shifted and folded inclination per lobe.
@@ -27,6 +32,8 @@ pub struct FibreShading<T> {
     pub aspect: T,
     /// Aspect that R sees, the roughness taken into account; at most 1.
     pub surface_aspect: T,
+    /// Aspect that TRcT's warp takes: towards round where the eye sees a flat fibre edge on.
+    pub core_aspect: T,
     /// Refractive index and cosine of the eye's inclination: the reflection of flat fibres needs them.
     pub eta: T,
     /// See [`Self::eta`].
@@ -92,7 +99,7 @@ fn unit<T: Float>(a: [T; 3], otherwise: [T; 3]) -> [T; 3] {
 }
 
 /// (sin, cos) of the inclination and the unit azimuth (y, z) of a local direction; azimuth 0 along the fibre.
-fn polar<T: Float>(omega: [T; 3]) -> ((T, T), [T; 2]) {
+pub(super) fn polar<T: Float>(omega: [T; 3]) -> ((T, T), [T; 2]) {
     let across = omega[1] * omega[1] + omega[2] * omega[2];
     let c = across.max(T::zero()).sqrt();
     let azimuth = if across > real(1e-12) {
@@ -107,7 +114,10 @@ fn polar<T: Float>(omega: [T; 3]) -> ((T, T), [T; 2]) {
 }
 
 /// Aspect from which on a fibre counts as round.
-const ROUND: f64 = 0.999;
+pub(super) const ROUND: f64 = 0.999;
+
+/// Squared sines of the eye's azimuth between which the warp of TRcT fades out.
+const EDGE_ON: (f64, f64) = (0.5, 0.9);
 
 /// Energy of R of an elliptic fibre: less than a round one's when seen broadside, more edge on.
 fn flat_reflection<T: Float>(aspect: T, eta: T, cos_o: T, azimuth: [T; 2]) -> T {
@@ -144,6 +154,18 @@ fn stretch<T: Float>(aspect: T, azimuth: [T; 2]) -> T {
     (c2 + a2 * a2 * s2) / (aspect * (c2 + a2 * s2))
 }
 
+/// Aspect for the warp of TRcT. Seen edge on, rays pass beside the core of a flat fibre, and the warp, which was made for rays that
+/// hit it, is farther from the truth than a circle: it fades out there.
+fn core_aspect<T: Float>(aspect: T, azimuth: [T; 2]) -> T {
+    let x = clamp(
+        (azimuth[0] * azimuth[0] - real(EDGE_ON.0)) / real(EDGE_ON.1 - EDGE_ON.0),
+        T::zero(),
+        T::one(),
+    );
+    let fade = x * x * (real::<T>(3.0) - x - x);
+    aspect + (T::one() - aspect) * fade
+}
+
 /// Series factors of a shape stored in two vec4s, damped by a Gaussian blur, cut after `harmonics`.
 fn damped<T: Float>(row: &FibreRow<T>, at: usize, blur: T, harmonics: u32) -> [T; FIBRE_HARMONICS] {
     let mut out = [T::zero(); FIBRE_HARMONICS];
@@ -174,7 +196,7 @@ pub fn fibre_shading<T: Float>(
 
     let mut energy = [[zero; 3]; 4];
     let mut dense = [zero; 3];
-    let series_share = row[0][0] * real(0.945);
+    let series_share = row[2][0];
     // The lobe of a flat fibre is as narrow as it is flat: what blur would add is taken off the flatness.
     let surface_aspect = (sq(p.aspect) + sq(p.azimuthal_roughness / real(1.37)))
         .sqrt()
@@ -205,13 +227,22 @@ pub fn fibre_shading<T: Float>(
         .azimuthal_roughness
         .max(real::<T>(1.6) / real(f64::from(harmonics)));
     let warped = blur * stretch(p.aspect, azimuth);
+    let core_aspect = core_aspect(p.aspect, azimuth);
+    let narrowed = blur / p.aspect.sqrt();
+    let blur = [
+        warped,
+        narrowed,
+        narrowed,
+        blur,
+        blur * stretch(core_aspect, azimuth),
+    ];
     let series = [
-        damped(row, 5, warped, harmonics),
-        damped(row, 7, blur / p.aspect.sqrt(), harmonics),
-        damped(row, 9, blur / p.aspect.sqrt(), harmonics),
-        damped(row, 11, blur, harmonics),
+        damped(row, 5, blur[0], harmonics),
+        damped(row, 7, blur[1], harmonics),
+        damped(row, 9, blur[2], harmonics),
+        damped(row, 11, blur[3], harmonics),
         if p.structural {
-            damped(row, 3, warped, harmonics)
+            damped(row, 3, blur[4], harmonics)
         } else {
             [zero; FIBRE_HARMONICS]
         },
@@ -240,6 +271,7 @@ pub fn fibre_shading<T: Float>(
     FibreShading {
         energy,
         series,
+        blur,
         dense,
         eye,
         width,
@@ -247,6 +279,7 @@ pub fn fibre_shading<T: Float>(
         structural: p.structural,
         aspect: p.aspect,
         surface_aspect,
+        core_aspect,
         eta: p.eta,
         cos_eye: cos_o,
         azimuth,
@@ -268,16 +301,52 @@ fn raw_series<T: Float>(series: &[T; FIBRE_HARMONICS], cos_phi: T) -> T {
     sum
 }
 
-/// K = S cos(theta_i) of the fibre for light from `omega_i` (in its frame), linear RGB per steradian, at least 0.
-pub fn fibre_evaluate<T: Float>(s: &FibreShading<T>, omega_i: [T; 3]) -> [T; 3] {
-    let (zero, one, two) = (T::zero(), T::one(), real::<T>(2.0));
-    let pi = real::<T>(std::f64::consts::PI);
-    let (light, azimuth) = polar(omega_i);
-    let o = s.azimuth;
-    let cos_phi = clamp(o[0] * azimuth[0] + o[1] * azimuth[1], -one, one);
+/// The sine series of a window; none in the far field, which is even in phi.
+#[derive(Clone, Copy)]
+pub(super) enum Odd<'a, T> {
+    None,
+    Some(&'a [[T; FIBRE_HARMONICS]; FIBRE_SERIES]),
+}
 
+impl<T: Float> Odd<'_, T> {
+    fn sum(self, series: usize, (cos_phi, sin_phi): (T, T)) -> T {
+        let Odd::Some(odd) = self else {
+            return T::zero();
+        };
+        let (mut sum, mut now, mut before) = (T::zero(), sin_phi, T::zero());
+        for &s in &odd[series] {
+            sum = sum + s * now;
+            (now, before) = (cos_phi * now * real(2.0) - before, now);
+        }
+        sum
+    }
+}
+
+/// The azimuths of one light as the lobes see them, each as (cos, sin) of the angle from the eye.
+pub(super) struct Azimuths<T> {
+    /// From eye to light.
+    pub turn: (T, T),
+    /// The same warped for TRcT; `stretch` its Jacobian.
+    pub core: (T, T),
+    pub stretch: T,
+    /// Warped for R, with its Jacobian.
+    pub surface: (T, T),
+    pub surface_stretch: T,
+    /// Narrowed for TT; `shrink` its Jacobian, 0 where nothing arrives.
+    pub through: (T, T),
+    pub shrink: T,
+    /// Azimuth half way between eye and light as the unit vector (y, z).
+    pub half: [T; 2],
+}
+
+/// Warps of the azimuth of the light for flat fibres (scattering study 1.5), the identity for round ones.
+pub(super) fn azimuths<T: Float>(s: &FibreShading<T>, light: [T; 2]) -> Azimuths<T> {
+    let (zero, one, two) = (T::zero(), T::one(), real::<T>(2.0));
+    let o = s.azimuth;
+    let cos_phi = clamp(o[0] * light[0] + o[1] * light[1], -one, one);
+    let sin_phi = light[0] * o[1] - light[1] * o[0];
     // Direction of the normal half way between eye and light; exactly opposite: the side does not matter.
-    let mut half = [o[0] + azimuth[0], o[1] + azimuth[1]];
+    let mut half = [o[0] + light[0], o[1] + light[1]];
     let length2 = half[0] * half[0] + half[1] * half[1];
     half = if length2 > real(1e-12) {
         let l = length2.sqrt();
@@ -285,41 +354,81 @@ pub fn fibre_evaluate<T: Float>(s: &FibreShading<T>, omega_i: [T; 3]) -> [T; 3] 
     } else {
         [o[1], -o[0]]
     };
-
-    let (mut cos_reflect, mut jacobian, mut cos_through, mut shrink) = (cos_phi, one, cos_phi, one);
-    let mut reflected = azimuthal(&s.series[0], cos_phi);
+    let turn = (cos_phi, sin_phi);
+    let mut out = Azimuths {
+        turn,
+        core: turn,
+        stretch: one,
+        surface: turn,
+        surface_stretch: one,
+        through: turn,
+        shrink: one,
+        half,
+    };
     if s.aspect < real(ROUND) {
-        let a = s.aspect;
-        let (hit2, eye2) = (sq(half[0]) + sq(a * half[1]), sq(a * o[0]) + sq(o[1]));
-        let d = (a * half[1] * o[1] + half[0] * a * o[0]) / (hit2 * eye2).max(real(1e-12)).sqrt();
-        cos_reflect = clamp(two * d * d - one, -one, one);
-        jacobian = a / hit2.max(real(1e-6));
-        reflected = flat_surface(s, half) / s.energy[0][0].max(real(1e-6));
-        let root = a.sqrt();
+        let warp = |a: T| {
+            let hit2 = (sq(half[0]) + sq(a * half[1])).max(real(1e-6));
+            let eye2 = sq(a * o[0]) + sq(o[1]);
+            let scale = one / (hit2 * eye2).max(real(1e-12)).sqrt();
+            // Cosine and sine of half the warped angle.
+            let c = (a * half[1] * o[1] + half[0] * a * o[0]) * scale;
+            let d = (half[0] * o[1] - a * a * half[1] * o[0]) * scale;
+            let cos = clamp(two * c * c - one, -one, one);
+            ((cos, two * c * d), a / hit2)
+        };
+        (out.core, out.stretch) = warp(s.core_aspect);
+        (out.surface, out.surface_stretch) = warp(s.surface_aspect);
+        let root = s.aspect.sqrt();
         let bend = (-cos_phi).max(-one).min(one).acos() / root;
-        shrink = if bend > pi { zero } else { one / root };
-        cos_through = -bend.cos();
+        out.shrink = if bend > real(std::f64::consts::PI) {
+            zero
+        } else {
+            one / root
+        };
+        let sin = bend.sin();
+        out.through = (-bend.cos(), if sin_phi < zero { -sin } else { sin });
     }
+    out
+}
 
+/// How much of the mirror core's lobe is left where the core is dark behind, 0..1; `half_z`: z of the azimuth half way between eye
+/// and light.
+pub(super) fn core_side<T: Float>(s: &FibreShading<T>, half_z: T) -> T {
+    let b = s.back[0];
+    let x = clamp((half_z + b) / (b + b), T::zero(), T::one());
+    let lit = x * x * (real::<T>(3.0) - x - x);
+    T::one() + (lit - T::one()) * s.back[1]
+}
+
+/// K = S cos(theta_i) of the fibre for light from `omega_i` (in its frame), linear RGB per steradian, at least 0.
+pub fn fibre_evaluate<T: Float>(s: &FibreShading<T>, omega_i: [T; 3]) -> [T; 3] {
+    evaluate_with(s, Odd::None, omega_i)
+}
+
+pub(super) fn evaluate_with<T: Float>(s: &FibreShading<T>, odd: Odd<T>, omega_i: [T; 3]) -> [T; 3] {
+    let (zero, one, two) = (T::zero(), T::one(), real::<T>(2.0));
+    let pi = real::<T>(std::f64::consts::PI);
+    let (light, azimuth) = polar(omega_i);
+    let at = azimuths(s, azimuth);
+    let raw = |k: usize, angle: (T, T)| raw_series(&s.series[k], angle.0) + odd.sum(k, angle);
     let norm = one / (two * pi);
     let m = |i: usize| longitudinal(s.eye[i], light, s.width[i]) * norm;
-    let reflected = reflected * m(0);
-    let inner = azimuthal(&s.series[3], cos_phi) * m(2);
-    let (clear, dense) = (
-        raw_series(&s.series[1], cos_through),
-        raw_series(&s.series[2], cos_through),
-    );
-    let through = shrink * m(1);
-    let fourth = if s.structural {
-        let b = s.back[0];
-        let x = clamp((half[1] + b) / (b + b), zero, one);
-        let lit = x * x * (real::<T>(3.0) - two * x);
-        azimuthal(&s.series[4], cos_reflect) * jacobian * m(3) * (one + (lit - one) * s.back[1])
+    let reflected = if s.aspect < real(ROUND) && matches!(odd, Odd::None) {
+        flat_surface(s, at.half) / s.energy[0][0].max(real(1e-6))
     } else {
-        let f = one
-            + two * s.medulla[0] * cos_phi
-            + two * s.medulla[1] * (two * cos_phi * cos_phi - one);
-        f.max(zero) * norm * light.1 * (two / pi) * (one + s.medulla[2] * light.0).max(zero)
+        raw(0, at.surface).max(zero) * at.surface_stretch
+    } * m(0);
+    let inner = raw(3, at.turn).max(zero) * m(2);
+    let (clear, dense) = (raw(1, at.through), raw(2, at.through));
+    let through = at.shrink * m(1);
+    let fourth = if s.structural {
+        raw(4, at.core).max(zero) * at.stretch * m(3) * core_side(s, at.half[1])
+    } else {
+        medulla_azimuth(s, at.turn.0)
+            * norm
+            * light.1
+            * (two / pi)
+            * (one + s.medulla[2] * light.0).max(zero)
     };
     std::array::from_fn(|c| {
         let tt = (clear + (dense - clear) * s.dense[c]).max(zero) * through;
@@ -328,6 +437,15 @@ pub fn fibre_evaluate<T: Float>(s: &FibreShading<T>, omega_i: [T; 3]) -> [T; 3] 
             + s.energy[2][c] * inner
             + s.energy[3][c] * fourth
     })
+}
+
+/// Density of the medulla's light in phi times 2 pi.
+pub(super) fn medulla_azimuth<T: Float>(s: &FibreShading<T>, cos_phi: T) -> T {
+    let two = real::<T>(2.0);
+    let f = T::one()
+        + two * s.medulla[0] * cos_phi
+        + two * s.medulla[1] * (two * cos_phi * cos_phi - T::one());
+    f.max(T::zero())
 }
 
 /// Density of R in phi times 2 pi and its energy for a flat fibre: the closed form J F cos(phi'/2)/4 (scattering study 1.5).
@@ -341,6 +459,17 @@ fn flat_surface<T: Float>(s: &FibreShading<T>, half: [T; 2]) -> T {
     real::<T>(std::f64::consts::FRAC_PI_2) * a / hit2
         * d.abs().min(T::one())
         * fresnel(s.cos_eye * incidence, s.eta)
+}
+
+/// Cosine in the cross-section between the eye and the normal of a flat fibre, where a round one has its normal `gamma` away.
+pub(super) fn flat_normal<T: Float>(s: &FibreShading<T>, gamma: T) -> T {
+    let (a, o) = (s.surface_aspect, s.azimuth);
+    let (y, z) = (a * o[0], o[1]);
+    let l = (y * y + z * z).max(real(1e-12)).sqrt();
+    let (sin, cos) = gamma.sin_cos();
+    // Parametric angle of the point, then its normal.
+    let (ny, nz) = (a * (y * cos + z * sin) / l, (z * cos - y * sin) / l);
+    (ny * o[0] + nz * o[1]) / (ny * ny + nz * nz).max(real(1e-12)).sqrt()
 }
 
 fn sq<T: Float>(x: T) -> T {
@@ -357,6 +486,16 @@ pub fn light_visibility<T: Float>(cos_normal: T, coverage: T, cos_theta: T) -> T
         T::zero(),
         T::one(),
     )
+}
+
+/// Mean of [`light_visibility`] over light from all around a fibre, 2/pi (dense) to 1 (alone): in closed form, since the visibility
+/// depends on the azimuth only, `min(1, |cos phi| / coverage)`.
+pub fn mean_visibility<T: Float>(coverage: T) -> T {
+    let one = T::one();
+    let c = clamp(coverage, real(1e-3), one);
+    // 1 - sqrt(1 - c^2) without cancellation.
+    let sine = (one - c * c).max(T::zero()).sqrt();
+    (c.acos() + c / (one + sine)) * real(std::f64::consts::FRAC_2_PI)
 }
 
 /// Share of a lobe that stays on the side of the eye (|phi| below 90 degrees), 0..1.

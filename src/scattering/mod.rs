@@ -16,6 +16,7 @@ mod fibre;
 mod lobes;
 mod longitudinal;
 mod medulla;
+mod near;
 mod parameters;
 pub mod published;
 mod quadrature;
@@ -23,29 +24,35 @@ pub mod reference;
 mod sample;
 mod sheen;
 mod table;
+mod tier;
 
 pub use colour::{
     FibreColour, fibre_colour, gamma_fit, gamma_transmittance, multiple_scattering,
     single_scattering_albedo,
 };
 pub use evaluate::{
-    FibreEnergy, FibreShading, azimuthal, fibre_albedo, fibre_energy_split, fibre_evaluate,
-    fibre_local, fibre_shading, light_visibility,
+    FIBRE_SERIES, FibreEnergy, FibreShading, azimuthal, fibre_albedo, fibre_energy_split,
+    fibre_evaluate, fibre_local, fibre_shading, light_visibility, mean_visibility,
 };
 pub use feather::{FeatherPart, feather_bsdf};
 pub use fibre::{Fibre, FibreKind, Optics, Sheen};
 pub use lobes::{Crossing, Lobe, attenuation, crossing, exit_angle, fresnel};
 pub use longitudinal::{fold, i0e, lobe_shift, lobe_width, longitudinal};
 pub use medulla::{MEDULLA_AXES, MEDULLA_TABLE_LENGTH, MedullaShape, medulla_shape};
+pub use near::{
+    FibreNear, FibreWindow, NEAR_SEGMENTS, fibre_near, fibre_near_evaluate, fibre_window,
+};
 pub use parameters::{FibreParameters, fibre_parameters};
 pub use quadrature::gauss_legendre;
-pub use sample::{FibreSample, fibre_pdf, fibre_sample};
+pub use sample::{FibreSample, fibre_invert_series, fibre_lobe_chances, fibre_pdf, fibre_sample};
 pub use sheen::{
     SHEEN_TABLE_SIZE, sheen_albedo, sheen_evaluate, sheen_lookup, sheen_row, sheen_table,
+    sheen_tint,
 };
 pub use table::{
     FIBRE_HARMONICS, FIBRE_ROW_VEC4S, FIBRE_ROWS, FibreRow, FibreTable, fibre_row_at, fibre_row_mix,
 };
+pub use tier::{MEAN_TERMS, fibre_terms, near_deviation, near_limit};
 
 use num_traits::Float;
 

@@ -26,10 +26,14 @@ pub struct FibreParameters<T> {
     pub colour_kt: T,
     /// t of that curve, at least 1e-4; per unit of absorption times fibre radius.
     pub colour_t: T,
+    /// Scattering of the medulla per fibre radius; 0 for a structural fibre.
+    pub scattering: T,
+    /// c in the sum `R (1 - c)/(1 - c R)` of the round trips between core and surface at theta_o = 0.
+    pub round_trips: T,
 }
 
 /// Unpacks three vec4s: `a` = (longitudinal roughness, azimuthal roughness, tilt, aspect), `b` = (eta, 1 for a structural
-/// fibre or 0, core or medulla radius, mean Fresnel), `c` = (k t, t, unused, unused).
+/// fibre or 0, core or medulla radius, mean Fresnel), `c` = (k t, t, scattering of the medulla, share of round trips).
 ///
 /// Every value is clamped to its range, so a zeroed buffer gives a defined, grey fibre.
 pub fn fibre_parameters<T: Float>(a: [T; 4], b: [T; 4], c: [T; 4]) -> FibreParameters<T> {
@@ -44,5 +48,7 @@ pub fn fibre_parameters<T: Float>(a: [T; 4], b: [T; 4], c: [T; 4]) -> FibreParam
         fresnel: clamp(b[3], T::zero(), real(0.9)),
         colour_kt: c[0].max(T::zero()),
         colour_t: c[1].max(real(1e-4)),
+        scattering: clamp(c[2], T::zero(), real(1e3)),
+        round_trips: clamp(c[3], T::zero(), real(0.9)),
     }
 }

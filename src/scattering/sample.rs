@@ -1,6 +1,14 @@
-//! Importance sampling of one fibre (after Chen et al. 2026, Sec. 6.2.1), from the far-field series.
+//! Importance sampling of one fibre (Chen et al. 2026, Sec. 6.2.1) from the far-field series. Twin of `scattering_sample.wgsl`.
+//!
+//! A lobe by its energy, the inclination by the exact inversion of its longitudinal term, the azimuth by inversion of its series.
+//! The series are the ones that [`fibre_evaluate`] sums, warps of flat fibres included, so a white round fibre has a constant
+//! weight: its albedo.
 
-use super::{FIBRE_HARMONICS, FibreShading, azimuthal, clamp, fibre_evaluate, longitudinal};
+use super::evaluate::{azimuths, medulla_azimuth, polar};
+use super::{
+    FIBRE_HARMONICS, FibreShading, azimuthal, clamp, dot, fibre_evaluate, longitudinal, real,
+};
+use num_traits::Float;
 use std::f64::consts::PI;
 
 /// A sampled direction of the light.
@@ -14,29 +22,48 @@ pub struct FibreSample {
     pub weight: [f64; 3],
 }
 
-/// Chance of each lobe: its luminance.
-fn chances(s: &FibreShading<f64>) -> [f64; 4] {
-    let light = s
-        .energy
-        .map(|e| (0.2126 * e[0] + 0.7152 * e[1] + 0.0722 * e[2]).max(0.0));
-    let sum: f64 = light.iter().sum();
-    if sum > 1e-12 {
+/// Steps of the inversion of a series.
+const STEPS: usize = 24;
+/// Least share of its energy with which the core's lobe is sampled from the dark side.
+const LEAST_SIDE: f64 = 0.05;
+
+/// Luminance of linear RGB.
+fn luminance<T: Float>(c: [T; 3]) -> T {
+    dot(c, [real(0.2126), real(0.7152), real(0.0722)]).max(T::zero())
+}
+
+/// Chance of each lobe, R, TT, TRT, TRcT or medulla: its luminance, that of a one-sided core less where the eye is behind it.
+pub fn fibre_lobe_chances<T: Float>(s: &FibreShading<T>) -> [T; 4] {
+    let mut light = s.energy.map(luminance);
+    if s.structural {
+        let facing = (T::one() + s.azimuth[1]) * real(0.5);
+        let side = T::one() + (clamp(facing, real(LEAST_SIDE), T::one()) - T::one()) * s.back[1];
+        light[3] = light[3] * side;
+    }
+    let sum = light[0] + light[1] + light[2] + light[3];
+    if sum > real(1e-9) {
         light.map(|l| l / sum)
     } else {
-        [1.0, 0.0, 0.0, 0.0]
+        [T::one(), T::zero(), T::zero(), T::zero()]
     }
 }
 
-/// Azimuth series of a lobe as the sampler uses it. Shapes are unwarped: a flat fibre is sampled as a round one.
-fn series(s: &FibreShading<f64>, lobe: usize) -> [f64; FIBRE_HARMONICS] {
+/// The azimuth series that a lobe is sampled from, in its warped angle.
+fn lobe_series<T: Float>(s: &FibreShading<T>, lobe: usize) -> [T; FIBRE_HARMONICS] {
     match lobe {
         0 => s.series[0],
-        1 => s.series[1],
+        1 => {
+            // The shape of TT between clear and dense, as far as the luminance goes.
+            let whole = luminance(s.energy[1]).max(real(1e-9));
+            let share = luminance(std::array::from_fn(|c| s.energy[1][c] * s.dense[c])) / whole;
+            std::array::from_fn(|n| s.series[1][n] + (s.series[2][n] - s.series[1][n]) * share)
+        }
         2 => s.series[3],
         _ if s.structural => s.series[4],
         _ => {
-            let mut out = [0.0; FIBRE_HARMONICS];
-            (out[0], out[1]) = (2.0 * s.medulla[0], 2.0 * s.medulla[1]);
+            let mut out = [T::zero(); FIBRE_HARMONICS];
+            out[0] = s.medulla[0] + s.medulla[0];
+            out[1] = s.medulla[1] + s.medulla[1];
             out
         }
     }
@@ -44,25 +71,24 @@ fn series(s: &FibreShading<f64>, lobe: usize) -> [f64; FIBRE_HARMONICS] {
 
 /// Density of [`fibre_sample`] at a direction, per steradian.
 pub fn fibre_pdf(s: &FibreShading<f64>, omega_i: [f64; 3]) -> f64 {
-    let across = (omega_i[1] * omega_i[1] + omega_i[2] * omega_i[2]).sqrt();
-    let light = (omega_i[0].clamp(-1.0, 1.0), across.min(1.0));
-    let u = if across > 1e-6 {
-        [omega_i[1] / across, omega_i[2] / across]
+    let (light, azimuth) = polar(omega_i);
+    let at = azimuths(s, azimuth);
+    let m = |i: usize| longitudinal(s.eye[i], light, s.width[i]);
+    let chance = fibre_lobe_chances(s);
+    let round = |lobe: usize, cos: f64| azimuthal(&lobe_series(s, lobe), cos);
+    let last = if s.structural {
+        round(3, at.core.0) * at.stretch * m(3)
     } else {
-        [0.0, 1.0]
+        medulla_azimuth(s, at.turn.0)
+            * light.1
+            * (2.0 / PI)
+            * (1.0 + s.medulla[2] * light.0).max(0.0)
     };
-    let cos_phi = (s.azimuth[0] * u[0] + s.azimuth[1] * u[1]).clamp(-1.0, 1.0);
-    let chance = chances(s);
-    (0..4)
-        .map(|lobe| {
-            let along = if lobe == 3 && !s.structural {
-                light.1 * 2.0 / PI
-            } else {
-                longitudinal(s.eye[lobe], light, s.width[lobe])
-            };
-            chance[lobe] * along * azimuthal(&series(s, lobe), cos_phi) / (2.0 * PI)
-        })
-        .sum()
+    let sum = chance[0] * round(0, at.surface.0) * at.surface_stretch * m(0)
+        + chance[1] * round(1, at.through.0) * at.shrink * m(1)
+        + chance[2] * round(2, at.turn.0) * m(2)
+        + chance[3] * last;
+    sum / (2.0 * PI)
 }
 
 /// Samples a direction of the light. `u` holds four numbers in 0..1: lobe, two along the fibre, one around it.
@@ -70,7 +96,7 @@ pub fn fibre_pdf(s: &FibreShading<f64>, omega_i: [f64; 3]) -> f64 {
 /// The mean of the weights is the albedo. None where the density vanishes.
 pub fn fibre_sample(s: &FibreShading<f64>, u: [f64; 4]) -> Option<FibreSample> {
     let u = u.map(|x| clamp(x, 0.0, 1.0 - 1e-12));
-    let chance = chances(s);
+    let chance = fibre_lobe_chances(s);
     let mut lobe = 0;
     let mut below = 0.0;
     while lobe < 3 && u[0] >= below + chance[lobe] {
@@ -79,8 +105,14 @@ pub fn fibre_sample(s: &FibreShading<f64>, u: [f64; 4]) -> Option<FibreSample> {
     }
     let turn = (2.0 * PI * u[2]).cos();
     let sin_i = if lobe == 3 && !s.structural {
-        // Projected disc: the density of its x coordinate is (2/pi) sqrt(1 - x^2).
-        u[1].sqrt() * turn
+        // A projected disc has the density (2/pi) sqrt(1 - x^2); turning some points over tilts it.
+        let x = u[1].sqrt() * turn;
+        let rest = (u[0] - below) / chance[lobe].max(1e-9);
+        if rest > 0.5 * (1.0 + s.medulla[2] * x) {
+            -x
+        } else {
+            x
+        }
     } else {
         // d'Eon et al. 2011: exact inversion of M.
         let v = s.width[lobe].clamp(0.01, 1.0).powi(2);
@@ -90,11 +122,10 @@ pub fn fibre_sample(s: &FibreShading<f64>, u: [f64; 4]) -> Option<FibreSample> {
         -along * sin_o + (1.0 - along * along).max(0.0).sqrt() * turn * cos_o
     }
     .clamp(-1.0, 1.0);
-    let phi = invert(&series(s, lobe), u[3]);
+    let warped = fibre_invert_series(&lobe_series(s, lobe), u[3]);
+    let [y, z] = unwarp(s, lobe, warped);
     let cos_i = (1.0 - sin_i * sin_i).max(0.0).sqrt();
-    let (sp, cp) = phi.sin_cos();
-    let [y, z] = s.azimuth;
-    let direction = [sin_i, cos_i * (y * cp + z * sp), cos_i * (z * cp - y * sp)];
+    let direction = [sin_i, cos_i * y, cos_i * z];
     let pdf = fibre_pdf(s, direction);
     if pdf.is_nan() || pdf <= 1e-12 {
         return None;
@@ -106,24 +137,62 @@ pub fn fibre_sample(s: &FibreShading<f64>, u: [f64; 4]) -> Option<FibreSample> {
     })
 }
 
-/// Azimuth at which the cumulated series reaches `u`, by bisection (the series may touch 0, where Newton fails).
-fn invert(series: &[f64; FIBRE_HARMONICS], u: f64) -> f64 {
-    let cumulated = |phi: f64| {
-        let waves: f64 = series
-            .iter()
-            .enumerate()
-            .map(|(i, s)| s * ((i + 1) as f64 * phi).sin() / (i + 1) as f64)
-            .sum();
-        0.5 + (phi + waves) / (2.0 * PI)
+/// Azimuth of the light (y, z) of a lobe's warped angle from the eye: the inverse of the warps of flat fibres.
+fn unwarp(s: &FibreShading<f64>, lobe: usize, warped: f64) -> [f64; 2] {
+    let o = s.azimuth;
+    let turned = |phi: f64| {
+        let (sin, cos) = phi.sin_cos();
+        [o[0] * cos + o[1] * sin, o[1] * cos - o[0] * sin]
     };
-    let (mut low, mut high) = (-PI, PI);
-    for _ in 0..48 {
-        let middle = 0.5 * (low + high);
-        if cumulated(middle) < u {
-            low = middle
-        } else {
-            high = middle
-        }
+    if s.aspect >= super::evaluate::ROUND {
+        return turned(warped);
     }
-    0.5 * (low + high)
+    let a = match lobe {
+        0 => s.surface_aspect,
+        1 => {
+            let back = warped - PI * warped.signum();
+            return turned(PI + back * s.aspect.sqrt());
+        }
+        3 if s.structural => s.core_aspect,
+        _ => return turned(warped),
+    };
+    // Half way in the parametric angle, then the normal there; the light is the eye mirrored at it.
+    let (sin, cos) = (0.5 * warped).sin_cos();
+    let (y, z) = (a * o[0], o[1]);
+    let n = [a * (y * cos + z * sin), z * cos - y * sin];
+    let l2 = (n[0] * n[0] + n[1] * n[1]).max(1e-12);
+    let d = 2.0 * (n[0] * o[0] + n[1] * o[1]) / l2;
+    [d * n[0] - o[0], d * n[1] - o[1]]
+}
+
+/// Angle in -pi..pi below which the share `u` of the density (1 + sum of s_n cos n phi)/2 pi lies: Newton's method, kept inside a
+/// shrinking bracket because the series may touch 0.
+pub fn fibre_invert_series<T: Float>(series: &[T; FIBRE_HARMONICS], u: T) -> T {
+    let (half, pi) = (real::<T>(0.5), real::<T>(PI));
+    let (mut low, mut high) = (-pi, pi);
+    let wanted = (clamp(u, T::zero(), T::one()) - half) * (pi + pi);
+    let mut phi = wanted;
+    for _ in 0..STEPS {
+        let (sin, cos) = phi.sin_cos();
+        let (mut s, mut c) = (sin, cos);
+        let (mut cumulated, mut density) = (phi, T::one());
+        for (n, &a) in series.iter().enumerate() {
+            cumulated = cumulated + a * s / real((n + 1) as f64);
+            density = density + a * c;
+            (s, c) = (s * cos + c * sin, c * cos - s * sin);
+        }
+        let off = cumulated - wanted;
+        if off < T::zero() {
+            low = phi
+        } else {
+            high = phi
+        }
+        let next = phi - off / density.max(real(1e-3));
+        phi = if next > low && next < high {
+            next
+        } else {
+            (low + high) * half
+        };
+    }
+    phi
 }

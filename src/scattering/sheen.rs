@@ -87,3 +87,11 @@ pub fn sheen_albedo<T: Float>(ltc: [T; 3], strength: T) -> T {
         T::one(),
     )
 }
+
+/// Colour of the fibres that stand out of the vane and make the sheen: their surface reflects 15.7 % without colour (the mean over
+/// the width of a keratin fibre seen at one radian, scattering study 5), the rest has the feather's colour. White stays white; a
+/// black feather keeps a sixth of the strength.
+pub fn sheen_tint<T: Float>(albedo: [T; 3]) -> [T; 3] {
+    let surface = real::<T>(0.157);
+    albedo.map(|a| surface + (T::one() - surface) * clamp(a, T::zero(), T::one()))
+}

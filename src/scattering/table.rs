@@ -18,7 +18,7 @@ pub const FIBRE_ROWS: usize = 16;
 /// |---|---|
 /// | 0 | energy without absorption of R, TT, TRT and of TRcT (core reflectance 1) or the medulla |
 /// | 1 | k t and t of TT, k t and t of TRT |
-/// | 2 | pigment: k t and t of the medulla's light, a1, a2; structural: 0 |
+/// | 2 | pigment: k t and t of the medulla's light, a1, a2; structural: share c of round trips |
 /// | 3, 4 | structural: shape of TRcT; pigment: m1 in 3.x |
 /// | 5, 6 | shape of R |
 /// | 7, 8 | shape of TT without absorption |
@@ -74,7 +74,12 @@ impl FibreTable {
                 shape.radius,
                 head[0][0],
             ],
-            [kt, t, 0.0, 0.0],
+            [
+                kt,
+                t,
+                shape.scattering,
+                if shape.structural { head[2][0] } else { 0.0 },
+            ],
         ];
         Self { rows, parameters }
     }
@@ -260,6 +265,7 @@ impl Section {
         row[1] = [tt.0, tt.1, trt.0, trt.1];
         if self.structural {
             set_shape(&mut row, 3, &clear[3]);
+            row[2][0] = self.round_trips(cos_theta, clear[3][0], nodes);
         } else {
             let e = 1.0 - clear[0][0] - clear[1][0] - clear[2][0];
             row[0][3] = e.max(0.0);
@@ -281,6 +287,38 @@ impl Section {
         );
         set_shape(&mut row, 11, &thin[2]);
         row
+    }
+}
+
+impl Section {
+    /// c of `R (1 - c)/(1 - c R)`, the sum of the round trips between core and surface, fitted at R = 1/2 (scattering study 5.1).
+    fn round_trips(&self, cos_theta: f64, white: f64, nodes: &[(f64, f64)]) -> f64 {
+        if white < 1e-9 {
+            return 0.0;
+        }
+        let half = self.mean(cos_theta, nodes, Some((self.radius, 0.5)))[3] / white;
+        // half = (1 - c)/(2 - c)
+        super::clamp((1.0 - 2.0 * half) / (1.0 - half), 0.0, 0.9)
+    }
+
+    /// Mean attenuation over the width, without absorption.
+    fn mean(&self, cos_theta: f64, nodes: &[(f64, f64)], core: Option<(f64, f64)>) -> [f64; 4] {
+        let sin2 = 1.0 - cos_theta * cos_theta;
+        let eta_projected = (self.eta * self.eta - sin2).sqrt() / cos_theta;
+        let split = (self.radius * eta_projected).min(1.0).asin();
+        let mut out = [0.0; 4];
+        for (from, to) in [(0.0, split), (split, std::f64::consts::FRAC_PI_2)] {
+            let half = 0.5 * (to - from);
+            for &(x, w) in nodes {
+                let gamma: f64 = from + half * (x + 1.0);
+                let c = crossing(self.eta, cos_theta, gamma.sin());
+                let a = attenuation(&c, core, (0.0, 0.0), 0.0);
+                for (o, a) in out.iter_mut().zip(a) {
+                    *o += w * half * gamma.cos() * a;
+                }
+            }
+        }
+        out
     }
 }
 

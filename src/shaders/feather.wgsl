@@ -6,14 +6,19 @@
     feather_debug::debug_color,
     feather_io::FeatherVertex,
     feather_lighting as light,
+    feather_near::{NearFootprint, near_footprint},
     feather_opacity::{leaves_hole, sample_bits},
     scattering::{
-        FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreShading, fibre_energy_split, fibre_evaluate, fibre_local, fibre_parameters,
-        fibre_albedo, fibre_row_at, fibre_row_mix, fibre_shading, light_visibility, multiple_scattering,
-        single_scattering_albedo,
+        FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreRow, fibre_energy_split, fibre_evaluate, fibre_local,
+        fibre_parameters, fibre_albedo, fibre_row_at, fibre_row_mix, fibre_shading, fibre_terms, light_visibility, mean_visibility,
+        multiple_scattering, single_scattering_albedo,
     },
-    sheen::{sheen_albedo, sheen_evaluate, sheen_place},
+    scattering_near::{fibre_near, fibre_near_evaluate, fibre_window},
+    sheen::{sheen_albedo, sheen_evaluate, sheen_place, sheen_tint},
 }
+#ifdef SAMPLED_ENVIRONMENT
+#import bevy_plumage::feather_environment::sampled_environment
+#endif
 #ifdef OIT_ENABLED
 #import bevy_core_pipeline::oit::oit_draw
 #endif
@@ -45,10 +50,16 @@ fn fibre_tangent(part: u32, angles: vec4<f32>, right: bool, slope: f32, aspect: 
     return normalize(frame.across * across + frame.along * v.y);
 }
 
-// The fibre of one component as this pixel's eye sees it.
-fn shade_part(base: u32, part: u32, tangent: vec3<f32>, frame: Frame, albedo: vec3<f32>, dark_back: f32, harmonics: u32) -> FibreShading {
+// The fibre of one component, its table read at the eye's inclination.
+struct Part {
+    parameters: FibreParameters,
+    row: FibreRow,
+    // To the eye, in the fibre's frame.
+    eye: vec3<f32>,
+}
+
+fn read_part(base: u32, part: u32, tangent: vec3<f32>, frame: Frame) -> Part {
     let slot = base + data::FIBRES + 3u * part;
-    let parameters = fibre_parameters(feather_at(slot), feather_at(slot + 1u), feather_at(slot + 2u));
     let eye = fibre_local(tangent, frame.normal, frame.eye);
     let place = fibre_row_at(sqrt(max(1.0 - eye.x * eye.x, 0.0)));
     let table = u32(feather_at(0u).y) + u32(feather_at(base + data::TABLES)[part]) * FIBRE_ROW_COUNT * FIBRE_ROW_LENGTH;
@@ -59,7 +70,27 @@ fn shade_part(base: u32, part: u32, tangent: vec3<f32>, frame: Frame, albedo: ve
         low[i] = feather_at(first + i);
         high[i] = feather_at(first + FIBRE_ROW_LENGTH + i);
     }
-    return fibre_shading(parameters, fibre_row_mix(low, high, place.fraction), albedo, eye, dark_back, harmonics);
+    return Part(
+        fibre_parameters(feather_at(slot), feather_at(slot + 1u), feather_at(slot + 2u)),
+        fibre_row_mix(low, high, place.fraction),
+        eye,
+    );
+}
+
+// Mean and deviation in h of what the pixel sees of a component, deviation -1: its whole width. Barbs and shaft only.
+fn near_of(part: u32, near: NearFootprint, angles: vec4<f32>, right: bool, tangent: vec3<f32>, eye: vec3<f32>, frame: Frame) -> vec2<f32> {
+    var seen = vec2(0.0, -1.0);
+    // The direction in which `near` counts, in the card.
+    var along = vec2(1.0, 0.0);
+    if (part == 0u) { seen = near.rachis; }
+    if (part == BARB) {
+        seen = near.barb;
+        along = vec2(select(angles.y, -angles.y, right), angles.x);
+    }
+    // h counts along the azimuth a quarter turn from the eye's.
+    let across = cross(frame.normal, tangent);
+    let same = dot(frame.across * along.x + frame.along * along.y, across) * eye.z >= 0.0;
+    return vec2(select(-seen.x, seen.x, same), seen.y);
 }
 
 fn tint_of(bits: u32) -> vec3<f32> {
@@ -128,14 +159,22 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
     let slope = rachis_at(base, in.uv.y).y;
     let seen = light::fragment_of(in.world_position, frame.normal, in.position, in.instance_index);
     let eye_side = select(-frame.normal, frame.normal, frame.local_eye.z >= 0.0);
+    let level = in.card.w & 7u;
+    // Where a fibre may be wider than the pixel, the place on it matters.
+    let resolved = level == data::CARD_NEAR || level == data::CARD_MIXED;
+    var near = NearFootprint(vec2(0.0, -1.0), vec2(0.0, -1.0));
+    if (resolved) {
+        near = near_footprint(base, in.uv.y, covered.footprint, frame.local_eye, covered.right);
+    }
 
     // Sheen takes its share first.
     let fuzz = feather_at(base + data::SHEEN);
     let opacity = dot(covered.weights, vec4(1.0));
     let sheen = sheen_at(base, sheen_place(abs(frame.local_eye.z)));
-    let fuzz_albedo = sheen_albedo(sheen, fuzz.x);
     let shares = feather_at(base + data::SHARES);
-    let harmonics = select(8u, 3u, (in.card.w & 7u) == data::CARD_MEAN);
+    let tint = sheen_tint(albedo * shares[DISTAL]);
+    let fuzz_albedo = sheen_albedo(sheen, fuzz.x);
+    let base_share = 1.0 - fuzz_albedo * max(max(tint.x, tint.y), tint.z);
 
     // The part of the sky that the feathers above leave open grows towards the tip.
     let open = 1.0 - settings.shelter * (1.0 - smoothstep(0.05, 0.8, in.uv.y));
@@ -143,7 +182,7 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
     let around = light::environment(seen, eye_side, reflected, 0.6);
     let behind = light::environment(seen, -eye_side, -frame.eye, 0.8);
 
-    var sum = opacity * fuzz_albedo * around.irradiance * open;
+    var sum = opacity * fuzz_albedo * tint * around.irradiance * open;
     let lights = light::lights_of(seen);
     var first = 0u;
     // Lights are fetched once (shadows are dear) and then seen by every component, a batch at a time.
@@ -152,8 +191,9 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
         let count = min(lights.count - first, BATCH);
         for (var i = 0u; i < count; i++) {
             batch[i] = light::light_at(seen, lights, first + i);
-            sum += opacity * fuzz.x * batch[i].color * sheen_evaluate(sheen, eye_side, frame.eye, batch[i].direction);
+            sum += opacity * fuzz.x * tint * batch[i].color * sheen_evaluate(sheen, eye_side, frame.eye, batch[i].direction);
         }
+        var passed = 0.0;
         for (var part = 0u; part < 4u; part++) {
             let weight = covered.weights[part];
             if (weight < LEAST_WEIGHT) {
@@ -162,20 +202,45 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
             let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x, frame);
             let painted = min(albedo * shares[part], vec3(0.98));
             let single = single_scattering_albedo(painted, settings.multiple_scattering);
-            let shading = shade_part(base, part, tangent, frame, single, shape.w, harmonics);
+            let fibre = read_part(base, part, tangent, frame);
+            var harmonics = 3u;
+            if (level != data::CARD_MEAN) {
+                harmonics = fibre_terms(settings.threshold, fibre.parameters.azimuthal_roughness);
+            }
+            let shading = fibre_shading(fibre.parameters, fibre.row, single, fibre.eye, shape.w, harmonics);
             let again = multiple_scattering(fibre_albedo(shading), settings.multiple_scattering);
             let crowding = coverage_along_normal(base, part, covered.right);
+            let place = near_of(part, near, angles, covered.right, tangent, fibre.eye, frame);
             var radiance = vec3(0.0);
-            for (var i = 0u; i < count; i++) {
-                radiance += batch[i].color * lit(shading, again, tangent, frame, batch[i].direction, crowding);
+            if (place.y > 0.0) {
+                let window = fibre_window(place.x, place.y);
+                let part_seen = fibre_near(fibre.parameters, fibre.row, single, fibre.eye, shape.w, 8u, window);
+                for (var i = 0u; i < count; i++) {
+                    let local = fibre_local(tangent, frame.normal, batch[i].direction);
+                    radiance += batch[i].color * lit(fibre_near_evaluate(part_seen, local), again, local, crowding);
+                }
+            } else {
+                for (var i = 0u; i < count; i++) {
+                    let local = fibre_local(tangent, frame.normal, batch[i].direction);
+                    radiance += batch[i].color * lit(fibre_evaluate(shading, local), again, local, crowding);
+                }
             }
             if (first == 0u) {
+#ifdef SAMPLED_ENVIRONMENT
+                let indirect = sampled_environment(
+                    seen, shading, tangent, frame.normal, crowding,
+                    passed / opacity, (passed + weight) / opacity, settings.environment_samples,
+                );
+#else
                 let energy = fibre_energy_split(shading);
-                let indirect = around.radiance * energy.specular + around.irradiance * energy.front + behind.irradiance * energy.back;
+                let indirect = (around.radiance * energy.specular + around.irradiance * energy.front
+                    + behind.irradiance * energy.back) * mean_visibility(crowding);
+#endif
                 let everywhere = 0.5 * (around.irradiance + behind.irradiance);
                 radiance += ((1.0 - settings.multiple_scattering) * indirect + again * everywhere) * open;
+                passed += weight;
             }
-            sum += weight * (1.0 - fuzz_albedo) * radiance;
+            sum += weight * base_share * radiance;
         }
         first += BATCH;
         if (first >= lights.count) {
@@ -198,7 +263,8 @@ fn lobe_color(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, cove
         }
         let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x, frame);
         let painted = min(albedo * shares[part], vec3(0.98));
-        let energy = fibre_energy_split(shade_part(base, part, tangent, frame, painted, shape.w, 3u));
+        let fibre = read_part(base, part, tangent, frame);
+        let energy = fibre_energy_split(fibre_shading(fibre.parameters, fibre.row, painted, fibre.eye, shape.w, 3u));
         sum += weight * vec3(3.0 * energy.specular, dot(energy.front, vec3(1.0)), dot(energy.back, vec3(1.0)));
     }
     return sum / max(max(sum.x, sum.y), max(sum.z, 1e-6));
@@ -218,10 +284,9 @@ fn coverage_along_normal(base: u32, part: u32, right: bool) -> f32 {
 }
 
 // K of one component for one light, with the light's own view of the fibres (self-shadowing between neighbours).
-// `again`: energy of light that has met other fibres before, spread evenly.
-fn lit(shading: FibreShading, again: vec3<f32>, tangent: vec3<f32>, frame: Frame, direction: vec3<f32>, coverage: f32) -> vec3<f32> {
-    let local = fibre_local(tangent, frame.normal, direction);
+// `local`: to the light, in the fibre's frame; `again`: energy of light that has met other fibres before, spread evenly.
+fn lit(k: vec3<f32>, again: vec3<f32>, local: vec3<f32>, coverage: f32) -> vec3<f32> {
     let cos_theta = sqrt(max(1.0 - local.x * local.x, 1e-6));
-    let scattered = (1.0 - settings.multiple_scattering) * fibre_evaluate(shading, local) + again * cos_theta / (PI * PI);
-    return scattered * light_visibility(abs(dot(direction, frame.normal)), coverage, cos_theta);
+    let scattered = (1.0 - settings.multiple_scattering) * k + again * cos_theta / (PI * PI);
+    return scattered * light_visibility(local.z, coverage, cos_theta);
 }

@@ -39,10 +39,11 @@ fn frame_of(in: FeatherVertex) -> Frame {
     return frame;
 }
 
-// Coverage of the footprint by rachis, barbs, distal and proximal barbules, and the vane that has most of it.
+// Coverage of the footprint by rachis, barbs, distal and proximal barbules, the vane that has most of it, and the footprint.
 struct Covered {
     weights: vec4<f32>,
     right: bool,
+    footprint: Footprint,
 }
 
 fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape: vec4<f32>, level: u32) -> vec3<f32> {
@@ -73,8 +74,9 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape:
 fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u32) -> Covered {
     let rachis = rachis_at(base, in.uv.y);
     let canonical = canonical_footprint(in.uv, dpdx(in.uv), dpdy(in.uv), rachis.x, rachis.y, shape.x);
-    let split = split_rachis(Footprint(canonical.mean, canonical.cov), mask_rachis(rachis.z, frame.local_eye));
     var covered: Covered;
+    covered.footprint = Footprint(canonical.mean, canonical.cov);
+    let split = split_rachis(covered.footprint, mask_rachis(rachis.z, frame.local_eye));
     covered.right = split.right_mass > split.left_mass;
     // The shaft ends where the card does.
     covered.weights.x = split.rachis * smoothstep(1.0, 0.99, in.uv.y);

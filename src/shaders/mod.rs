@@ -21,6 +21,9 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "query.wgsl");
         load_shader_library!(app, "anatomy.wgsl");
         load_shader_library!(app, "scattering.wgsl");
+        load_shader_library!(app, "scattering_azimuth.wgsl");
+        load_shader_library!(app, "scattering_near.wgsl");
+        load_shader_library!(app, "scattering_sample.wgsl");
         load_shader_library!(app, "sheen.wgsl");
         load_shader_library!(app, "feather_data.wgsl");
         load_shader_library!(app, "feather_io.wgsl");
@@ -33,6 +36,8 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "feather_view.wgsl");
         load_shader_library!(app, "feather_bindings.wgsl");
         load_shader_library!(app, "feather_lighting.wgsl");
+        load_shader_library!(app, "feather_near.wgsl");
+        load_shader_library!(app, "feather_environment.wgsl");
         embedded_asset!(app, "feather_vertex.wgsl");
         embedded_asset!(app, "feather.wgsl");
         embedded_asset!(app, "feather_prepass.wgsl");

@@ -11,6 +11,8 @@ const FIBRE_ROW_COUNT: u32 = 16u;
 
 // Aspect from which on a fibre counts as round.
 const FIBRE_ROUND: f32 = 0.999;
+// Squared sines of the eye's azimuth between which the warp of TRcT fades out.
+const FIBRE_EDGE_ON: vec2<f32> = vec2<f32>(0.5, 0.9);
 const SCATTERING_PI: f32 = 3.14159265358979;
 
 struct FibreParameters {
@@ -24,6 +26,8 @@ struct FibreParameters {
     fresnel: f32,
     colour_kt: f32,
     colour_t: f32,
+    scattering: f32,
+    round_trips: f32,
 }
 
 struct FibreColour {
@@ -61,6 +65,9 @@ struct FibreShading {
     inner: array<vec4<f32>, 2>,
     core: array<vec4<f32>, 2>,
     dense_share: vec3<f32>,
+    // Azimuthal blur of R, TT, TRT and TRcT; terms of the series.
+    blur: vec4<f32>,
+    harmonics: u32,
     // Sines and cosines of the eye's shifted inclination and the widths: R, TT, TRT, TRcT.
     eye_sin: vec4<f32>,
     eye_cos: vec4<f32>,
@@ -69,6 +76,8 @@ struct FibreShading {
     structural: bool,
     aspect: f32,
     surface_aspect: f32,
+    // Of TRcT's warp, which fades out where the eye sees a flat fibre edge on.
+    core_aspect: f32,
     eta: f32,
     cos_eye: f32,
     azimuth: vec2<f32>,
@@ -103,6 +112,8 @@ fn fibre_parameters(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>) -> FibreParameters
         clamp(b.w, 0.0, 0.9),
         max(c.x, 0.0),
         max(c.y, 1e-4),
+        clamp(c.z, 0.0, 1e3),
+        clamp(c.w, 0.0, 0.9),
     );
 }
 
@@ -146,7 +157,7 @@ fn exp_ratio(x: vec3<f32>) -> vec3<f32> {
 
 fn fibre_colour(p: FibreParameters, albedo: vec3<f32>) -> FibreColour {
     let f = p.fresnel;
-    let series = 0.945 * f;
+    let series = p.round_trips;
     let y = (clamp(albedo, vec3<f32>(f + 0.002), vec3<f32>(0.995)) - f) / (1.0 - f);
     var colour = FibreColour(vec3<f32>(1.0), vec3<f32>(0.0));
     if p.structural {
@@ -277,7 +288,7 @@ fn fibre_shading(
     }
     s.energy_through = row.energy.y * entering * gamma_transmittance(row.absorption.x, row.absorption.y, colour.absorption);
     s.energy_inner = row.energy.z * entering * gamma_transmittance(row.absorption.z, row.absorption.w, colour.absorption);
-    let series = 0.945 * row.energy.x;
+    let series = row.medulla.x;
     if p.structural {
         s.energy_fourth = row.energy.w * entering * colour.core * (1.0 - series) / (1.0 - series * colour.core);
     } else {
@@ -289,13 +300,16 @@ fn fibre_shading(
     let blur = max(p.azimuthal_roughness, 1.6 / f32(harmonics));
     let warped = blur * fibre_stretch(p.aspect, eye.azimuth);
     let narrowed = blur * inverseSqrt(p.aspect);
+    s.core_aspect = mix(p.aspect, 1.0, smoothstep(FIBRE_EDGE_ON.x, FIBRE_EDGE_ON.y, eye.azimuth.x * eye.azimuth.x));
+    s.blur = vec4<f32>(warped, narrowed, blur, blur * fibre_stretch(s.core_aspect, eye.azimuth));
+    s.harmonics = harmonics;
     s.surface = fibre_damped(row.surface, warped, harmonics);
     s.clear = fibre_damped(row.clear, narrowed, harmonics);
     s.dense = fibre_damped(row.dense, narrowed, harmonics);
     s.inner = fibre_damped(row.inner, blur, harmonics);
     s.core = array<vec4<f32>, 2>(vec4<f32>(0.0), vec4<f32>(0.0));
     if p.structural {
-        s.core = fibre_damped(row.core, warped, harmonics);
+        s.core = fibre_damped(row.core, s.blur.w, harmonics);
         s.medulla = vec3<f32>(0.0);
     } else {
         let forward = select(1.0, -1.0, eye.sine < 0.0);
@@ -368,37 +382,59 @@ fn fibre_evaluate(s: FibreShading, omega_i: vec3<f32>) -> vec3<f32> {
     var reflected = azimuthal(s.surface, cosines);
     var shrink = 1.0;
     if s.aspect < FIBRE_ROUND {
-        let a = s.aspect;
+        let a = s.core_aspect;
         let hit = middle.x * middle.x + a * a * middle.y * middle.y;
         let seen = a * a * o.x * o.x + o.y * o.y;
         let d = a * (middle.y * o.y + middle.x * o.x) * inverseSqrt(max(hit * seen, 1e-12));
         reflect_cosines = fibre_cosines(clamp(2.0 * d * d - 1.0, -1.0, 1.0), s.fine);
         jacobian = a / max(hit, 1e-6);
         reflected = fibre_flat_surface(s, middle) / max(s.energy_surface, 1e-6);
-        let root = sqrt(a);
+        let root = sqrt(s.aspect);
         let bend = fibre_acos(-cos_phi) / root;
         shrink = select(1.0 / root, 0.0, bend > SCATTERING_PI);
         through_cosines = fibre_cosines(-cos(bend), s.fine);
     }
 
+    return fibre_sum(s, light, cos_phi, middle.y, reflected, azimuthal(s.inner, cosines),
+        1.0 + dot(s.clear[0], through_cosines[0]) + dot(s.clear[1], through_cosines[1]),
+        1.0 + dot(s.dense[0], through_cosines[0]) + dot(s.dense[1], through_cosines[1]),
+        shrink, azimuthal(s.core, reflect_cosines) * jacobian);
+}
+
+// The lobes' azimuthal densities (times 2 pi) times their longitudinal terms and energies. `light`: sine and cosine of its
+// inclination; `half_z`: z of the azimuth half way between eye and light.
+fn fibre_sum(
+    s: FibreShading,
+    light: vec2<f32>,
+    cos_phi: f32,
+    half_z: f32,
+    reflected: f32,
+    returned: f32,
+    clear: f32,
+    dense: f32,
+    shrink: f32,
+    mirrored: f32,
+) -> vec3<f32> {
     let norm = 0.5 / SCATTERING_PI;
     let surface = reflected * longitudinal(vec2<f32>(s.eye_sin.x, s.eye_cos.x), light, s.width.x) * norm;
-    let inner = azimuthal(s.inner, cosines) * longitudinal(vec2<f32>(s.eye_sin.z, s.eye_cos.z), light, s.width.z) * norm;
-    let clear = 1.0 + dot(s.clear[0], through_cosines[0]) + dot(s.clear[1], through_cosines[1]);
-    let dense = 1.0 + dot(s.dense[0], through_cosines[0]) + dot(s.dense[1], through_cosines[1]);
+    let inner = returned * longitudinal(vec2<f32>(s.eye_sin.z, s.eye_cos.z), light, s.width.z) * norm;
     let through = max(mix(vec3<f32>(clear), vec3<f32>(dense), s.dense_share), vec3<f32>(0.0)) * shrink
         * longitudinal(vec2<f32>(s.eye_sin.y, s.eye_cos.y), light, s.width.y) * norm;
     var fourth: f32;
     if s.structural {
-        let x = clamp((middle.y + s.back_edge) / (2.0 * s.back_edge), 0.0, 1.0);
+        let x = clamp((half_z + s.back_edge) / (2.0 * s.back_edge), 0.0, 1.0);
         let lit = x * x * (3.0 - 2.0 * x);
-        fourth = azimuthal(s.core, reflect_cosines) * jacobian * mix(1.0, lit, s.dark_back)
+        fourth = mirrored * mix(1.0, lit, s.dark_back)
             * longitudinal(vec2<f32>(s.eye_sin.w, s.eye_cos.w), light, s.width.w) * norm;
     } else {
-        let f = 1.0 + 2.0 * s.medulla.x * cos_phi + 2.0 * s.medulla.y * (2.0 * cos_phi * cos_phi - 1.0);
-        fourth = max(f, 0.0) * norm * light.y * (2.0 / SCATTERING_PI) * max(1.0 + s.medulla.z * light.x, 0.0);
+        fourth = medulla_azimuth(s, cos_phi) * norm * light.y * (2.0 / SCATTERING_PI) * max(1.0 + s.medulla.z * light.x, 0.0);
     }
     return vec3<f32>(s.energy_surface * surface) + s.energy_through * through + s.energy_inner * inner + s.energy_fourth * fourth;
+}
+
+// Density of the medulla's light in phi times 2 pi.
+fn medulla_azimuth(s: FibreShading, cos_phi: f32) -> f32 {
+    return max(1.0 + 2.0 * s.medulla.x * cos_phi + 2.0 * s.medulla.y * (2.0 * cos_phi * cos_phi - 1.0), 0.0);
 }
 
 // acos to 2e-7 on every driver (the built-in may be off by 1e-3 near its ends).
@@ -413,6 +449,19 @@ fn fibre_acos(x: f32) -> f32 {
 // Share of a fibre in a flat array that the light sees between its neighbours, 0..1.
 fn light_visibility(cos_normal: f32, coverage: f32, cos_theta: f32) -> f32 {
     return clamp(abs(cos_normal) / max(max(coverage, 0.0) * max(cos_theta, 1e-3), 1e-6), 0.0, 1.0);
+}
+
+// Its mean over light from all around the fibre: 2/pi (dense) to 1 (alone).
+fn mean_visibility(coverage: f32) -> f32 {
+    let c = clamp(coverage, 1e-3, 1.0);
+    let sine = sqrt(max(1.0 - c * c, 0.0));
+    return (fibre_acos(c) + c / (1.0 + sine)) * 2.0 / SCATTERING_PI;
+}
+
+// Terms of the series that the chooser's threshold asks for, 3..8.
+fn fibre_terms(threshold: f32, azimuthal_roughness: f32) -> u32 {
+    let wanted = clamp(6.858 * threshold - 0.282, 1.0, 3.0);
+    return u32(clamp(ceil(wanted / max(azimuthal_roughness, 0.05)), 3.0, 8.0));
 }
 
 fn fibre_share_front(s: array<vec4<f32>, 2>) -> f32 {

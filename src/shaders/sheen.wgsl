@@ -34,3 +34,8 @@ fn sheen_evaluate(ltc: vec3<f32>, normal: vec3<f32>, omega_o: vec3<f32>, omega_i
 fn sheen_albedo(ltc: vec3<f32>, strength: f32) -> f32 {
     return clamp(clamp(strength, 0.0, 1.0) * ltc.z, 0.0, 1.0);
 }
+
+// Colour of the fibres that make the sheen: a colourless surface reflection, the rest has the feather's colour.
+fn sheen_tint(albedo: vec3<f32>) -> vec3<f32> {
+    return 0.157 + 0.843 * clamp(albedo, vec3<f32>(0.0), vec3<f32>(1.0));
+}

@@ -40,16 +40,31 @@ pub struct Stage {
     pub image: Handle<Image>,
     /// The camera.
     pub camera: Entity,
+    /// Width and height of the pictures.
+    pub size: (u32, u32),
 }
 
 impl Stage {
     /// None without an adapter, with a word on stderr.
     pub fn new() -> Option<Self> {
-        Self::with(WgpuSettings::default(), |_| {})
+        Self::sized(SIZE, SIZE)
+    }
+
+    /// The same with pictures of another size.
+    pub fn sized(width: u32, height: u32) -> Option<Self> {
+        Self::custom(WgpuSettings::default(), (width, height), |_| {})
     }
 
     /// With these settings of the device, and an app that `build` has had a hand in before it starts.
     pub fn with(settings: WgpuSettings, build: impl FnOnce(&mut App)) -> Option<Self> {
+        Self::custom(settings, (SIZE, SIZE), build)
+    }
+
+    fn custom(
+        settings: WgpuSettings,
+        (width, height): (u32, u32),
+        build: impl FnOnce(&mut App),
+    ) -> Option<Self> {
         super::gpu::adapter_name()?;
         let mut app = App::new();
         app.add_plugins((
@@ -83,7 +98,8 @@ impl Stage {
         }
         app.finish();
         app.cleanup();
-        let mut image = Image::new_target_texture(SIZE, SIZE, TextureFormat::Rgba8UnormSrgb, None);
+        let mut image =
+            Image::new_target_texture(width, height, TextureFormat::Rgba8UnormSrgb, None);
         image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
         let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
         let light = EnvironmentMapLight {
@@ -114,7 +130,12 @@ impl Stage {
             },
             Transform::from_xyz(0.5, 1.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
         ));
-        Some(Self { app, image, camera })
+        Some(Self {
+            app,
+            image,
+            camera,
+            size: (width, height),
+        })
     }
 
     /// One frame, finished on the GPU; fails if the renderer has stopped.
@@ -168,11 +189,15 @@ impl Stage {
         for _ in 0..100 {
             self.frame();
             if let Some(image) = got.lock().unwrap().take() {
+                let (width, height) = self.size;
                 let pixel = |i: u32| {
-                    let color = image.get_color_at(i % SIZE, i / SIZE).unwrap().to_linear();
+                    let color = image
+                        .get_color_at(i % width, i / width)
+                        .unwrap()
+                        .to_linear();
                     [color.red, color.green, color.blue]
                 };
-                return (0..SIZE * SIZE).map(pixel).collect();
+                return (0..width * height).map(pixel).collect();
             }
             std::thread::sleep(Duration::from_millis(2));
         }

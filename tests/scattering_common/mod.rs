@@ -1,6 +1,8 @@
 //! Helpers of the scattering tests.
 #![allow(dead_code)]
 
+pub mod cases;
+
 use bevy_plumage::scattering::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -57,6 +59,17 @@ pub fn whiten(s: &mut FibreShading<f64>, row: &FibreRow<f64>) {
 
 /// Integral of K over the sphere: panels in theta that crowd around the lobes, even steps in phi.
 pub fn furnace(s: &FibreShading<f64>, theta_o: f64, phi_steps: usize) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    lit_sphere(theta_o, phi_steps, |light, weight| {
+        for (sum, k) in sum.iter_mut().zip(fibre_evaluate(s, light)) {
+            *sum += k * weight;
+        }
+    });
+    sum
+}
+
+/// Hands over directions of the light with their solid angles; they cover the sphere and crowd around -theta_o.
+pub fn lit_sphere(theta_o: f64, phi_steps: usize, mut visit: impl FnMut([f64; 3], f64)) {
     let mut edges = vec![-FRAC_PI_2, FRAC_PI_2];
     for k in 0..14 {
         let d = 0.005 * 1.6_f64.powi(k);
@@ -66,7 +79,6 @@ pub fn furnace(s: &FibreShading<f64>, theta_o: f64, phi_steps: usize) -> [f64; 3
     }
     edges.sort_by(f64::total_cmp);
     let nodes = gauss_legendre(12);
-    let mut sum = [0.0; 3];
     for w in edges.windows(2) {
         let half = 0.5 * (w[1] - w[0]);
         if half < 1e-9 {
@@ -76,12 +88,9 @@ pub fn furnace(s: &FibreShading<f64>, theta_o: f64, phi_steps: usize) -> [f64; 3
             let theta = w[0] + half * (x + 1.0);
             for i in 0..phi_steps {
                 let phi = 2.0 * PI * (i as f64 + 0.5) / phi_steps as f64;
-                let k = fibre_evaluate(s, direction(theta, phi));
-                for c in 0..3 {
-                    sum[c] += k[c] * theta.cos() * weight * half * 2.0 * PI / phi_steps as f64;
-                }
+                let solid = theta.cos() * weight * half * 2.0 * PI / phi_steps as f64;
+                visit(direction(theta, phi), solid);
             }
         }
     }
-    sum
 }
