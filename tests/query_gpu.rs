@@ -1,7 +1,7 @@
 //! The shader twins of `query` agree with the Rust functions.
 mod common;
 
-use bevy_plumage::query::{self, ErrorBudget, Footprint, Vane, math};
+use bevy_plumage::query::{self, ErrorBudget, Footprint, Vane, math, published};
 use common::{gpu, sweep};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
@@ -216,4 +216,66 @@ fn whole_query() {
     let [rms, p99, max] = sweep::statistics(&errors);
     eprintln!("whole query, CPU against GPU: RMS {rms:.2e}, P99 {p99:.2e}, max {max:.2e}");
     assert!(p99 <= 1e-4 && max <= 1e-3, "P99 {p99}, max {max}");
+}
+
+#[test]
+fn published_methods() {
+    let text = "#import bevy_plumage::masking::{Cell}
+        #import bevy_plumage::query::{Local}
+        #import bevy_plumage::query_published::{PublishedMethod, published_evaluate}
+        fn evaluate(i: u32) {
+            let a = 14u * i;
+            let cell = Cell(input[a], input[a + 1u], input[a + 2u], input[a + 3u], input[a + 4u], input[a + 5u], input[a + 6u],
+                input[a + 7u], input[a + 8u]);
+            let local = Local(input[a + 9u], input[a + 10u], input[a + 11u], input[a + 12u], input[a + 13u]);
+            for (var kind = 1u; kind <= 5u; kind++) {
+                let w = published_evaluate(cell, local, PublishedMethod(kind, 64u, 6u, 2, 3));
+                let o = 15u * i + 3u * (kind - 1u);
+                output[o] = w.x;
+                output[o + 1u] = w.y;
+                output[o + 2u] = w.z;
+            }
+        }";
+    let mut input = Vec::new();
+    let mut wanted = Vec::new();
+    let cases = sweep::cases(&mut Pcg64Mcg::seed_from_u64(8), 400, true);
+    let nodes = published::Method::<f32>::nodes(6);
+    let orders = published::Orders {
+        stripes: 2,
+        window: 3,
+    };
+    let methods = [
+        published::Method::Points(64),
+        published::Method::Spatial(nodes.clone()),
+        published::Method::WholeGap(nodes.clone()),
+        published::Method::Frequency(orders),
+        published::Method::HardSwitch(nodes, orders),
+    ];
+    for case in &cases {
+        let (c, l) = (sweep::cell_f32(&case.cell), sweep::local_f32(&case.local));
+        input.extend([
+            c.kappa, c.e_root, c.v_low, c.v_high, c.h_d, c.h_p, c.s_d, c.s_p, c.side,
+        ]);
+        input.extend([l.u, l.tau, l.variance, l.slope, l.conditional]);
+        wanted.extend(methods.iter().map(|m| m.evaluate(&c, &l)));
+    }
+    let files = [
+        "query_published.wgsl",
+        "query.wgsl",
+        "masking.wgsl",
+        "math.wgsl",
+    ];
+    let Some(result) = gpu::run(&files, text, &input, cases.len(), 15 * cases.len()) else {
+        return;
+    };
+    let mut worst = [0f32; 5];
+    for (i, (a, b)) in wanted.iter().zip(result.chunks(3)).enumerate() {
+        // Over a whole gap the nodes' weights are far above 1.
+        let scale = a.iter().fold(1f32, |m, x| m.max(x.abs()));
+        worst[i % 5] = worst[i % 5].max(difference(a, b) / scale);
+    }
+    eprintln!("published methods, CPU against GPU: {worst:?}");
+    // A point on an edge may fall to either side: two samples of 64.
+    assert!(worst[0] <= 2.1 / 64.0, "{worst:?}");
+    assert!(worst[1..].iter().all(|e| *e < 2e-4), "{worst:?}");
 }
