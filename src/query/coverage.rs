@@ -36,7 +36,7 @@ impl<T: Real> Coverage<T> {
 /// Coverage in cell units by the evaluator that the budget asks for: `[barb, distal, proximal]`.
 pub fn cell_coverage<T: Real>(cell: &Cell<T>, local: &Local<T>, budget: &ErrorBudget<T>) -> [T; 3] {
     let (evaluator, tight) = choose(cell, local, budget.threshold());
-    let [barb, upper, lower] = match evaluator {
+    let raw = match evaluator {
         Evaluator::Mean => mean(cell),
         Evaluator::Stripe => stripe(cell, local),
         Evaluator::Near => near(
@@ -49,6 +49,11 @@ pub fn cell_coverage<T: Real>(cell: &Cell<T>, local: &Local<T>, budget: &ErrorBu
             },
         ),
     };
+    shares(cell, raw)
+}
+
+/// `[barb, upper, lower]` as an evaluator gives it, clamped to disjoint shares and named: `[barb, distal, proximal]`.
+pub(crate) fn shares<T: Real>(cell: &Cell<T>, [barb, upper, lower]: [T; 3]) -> [T; 3] {
     let barb = clamp(barb, T::zero(), T::one());
     let upper = clamp(upper, T::zero(), T::one() - barb);
     let lower = clamp(lower, T::zero(), T::one() - barb - upper);

@@ -19,6 +19,7 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "math.wgsl");
         load_shader_library!(app, "masking.wgsl");
         load_shader_library!(app, "query.wgsl");
+        load_shader_library!(app, "query_published.wgsl");
         load_shader_library!(app, "anatomy.wgsl");
         load_shader_library!(app, "scattering.wgsl");
         load_shader_library!(app, "sheen.wgsl");

@@ -415,6 +415,11 @@ fn cell_coverage(cell: Cell, local: Local, lod: u32, threshold: f32) -> vec3<f32
     } else {
         w = near_coverage(cell, local, kind.y == 1u);
     }
+    return shares(cell, w);
+}
+
+// (barb, upper, lower) as an evaluator gives it, clamped to disjoint shares: (barb, distal, proximal).
+fn shares(cell: Cell, w: vec3<f32>) -> vec3<f32> {
     let barb = clamp(w.x, 0.0, 1.0);
     let upper = clamp(w.y, 0.0, 1.0 - barb);
     let lower = clamp(w.z, 0.0, 1.0 - barb - upper);
