@@ -91,7 +91,9 @@ fn switches_do_not_jump() {
         }
     }
     let ([component, sum], at, kinds) = worst;
-    eprintln!("{flips} flips, largest jump {component:.5} of a component, {sum:.5} of the sum, {kinds:?}");
+    eprintln!(
+        "{flips} flips, largest jump {component:.5} of a component, {sum:.5} of the sum, {kinds:?}"
+    );
     assert!(flips > SCENES, "only {flips} flips");
     if component.max(sum) > bound {
         let mut random = Pcg64Mcg::seed_from_u64(401);

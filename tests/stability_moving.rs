@@ -145,12 +145,17 @@ fn a_moving_feather_does_not_jump() {
         }
     }
     let (jump, at, steps) = worst;
-    eprintln!("moving feather: largest jump {jump:.4} at {at:.3}, largest error {largest_error:.4}");
+    eprintln!(
+        "moving feather: largest jump {jump:.4} at {at:.3}, largest error {largest_error:.4}"
+    );
     let bound = 0.015;
     if jump > bound || largest_error > 0.03 {
         let file = stability::failure_file("stability_moving");
         let title = format!("Moving feather: jump of {jump:.4} at {at:.3}");
         stability::draw(&file, &title, "time", &steps, bound);
-        panic!("{title}, largest error {largest_error}, picture {}", file.display());
+        panic!(
+            "{title}, largest error {largest_error}, picture {}",
+            file.display()
+        );
     }
 }

@@ -61,8 +61,14 @@ impl View {
         let long = sigma / tilt.cos();
         // Stretched along (c, s), then pixels turned against it.
         let basis = [
-            [long * c * rc - sigma * s * rs, long * s * rc + sigma * c * rs],
-            [-long * c * rs - sigma * s * rc, -long * s * rs + sigma * c * rc],
+            [
+                long * c * rc - sigma * s * rs,
+                long * s * rc + sigma * c * rs,
+            ],
+            [
+                -long * c * rs - sigma * s * rc,
+                -long * s * rs + sigma * c * rc,
+            ],
         ];
         let (ds, dc) = between(random, 0.0, std::f64::consts::TAU).sin_cos();
         Self {
@@ -103,10 +109,7 @@ impl View {
         let [a, b] = self.basis;
         let mut sum = [0.0; 3];
         for [x, y] in pattern {
-            let point = [
-                mean[0] + x * a[0] + y * b[0],
-                mean[1] + x * a[1] + y * b[1],
-            ];
+            let point = [mean[0] + x * a[0] + y * b[0], mean[1] + x * a[1] + y * b[1]];
             match point_query(&cell, &self.vane, point).component {
                 Component::Barb => sum[0] += 1.0,
                 Component::Distal => sum[1] += 1.0,
@@ -211,14 +214,25 @@ fn pan_flickers_less_than_supersampling() {
     }
     let n = f64::from(count);
     let [a, b, c, d] = own.map(|v| (v / n).sqrt());
-    eprintln!("{count} pixels, standard deviation along the pan: ours {a:.5}, 16 samples {b:.5}, 64 samples {c:.5}, reference {d:.5}");
+    eprintln!(
+        "{count} pixels, standard deviation along the pan: ours {a:.5}, 16 samples {b:.5}, 64 samples {c:.5}, reference {d:.5}"
+    );
     let [ea, eb, ec] = error.map(|v| (v / n).sqrt());
-    eprintln!("of the error: ours {ea:.6}, 16 samples {eb:.5}, 64 samples {ec:.5}; worst pixel {:.5}", worst.0.sqrt());
-    eprintln!("pixels that flicker visibly more than with 16 samples: {}, than with 64: {}", above[0], above[1]);
+    eprintln!(
+        "of the error: ours {ea:.6}, 16 samples {eb:.5}, 64 samples {ec:.5}; worst pixel {:.5}",
+        worst.0.sqrt()
+    );
+    eprintln!(
+        "pixels that flicker visibly more than with 16 samples: {}, than with 64: {}",
+        above[0], above[1]
+    );
     if own[0] > own[1] || ea > 0.1 * ec || above != [0, 0] {
         let file = stability::failure_file("stability_pan");
         let title = "Pan: the pixel that flickers most";
         stability::draw(&file, title, "pixels panned", &worst.1, unseen.sqrt());
-        panic!("flicker: {own:?} {error:?} {above:?}, picture {}", file.display());
+        panic!(
+            "flicker: {own:?} {error:?} {above:?}, picture {}",
+            file.display()
+        );
     }
 }

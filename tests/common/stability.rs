@@ -107,7 +107,7 @@ fn try_draw(
         .draw()?;
     for i in 0..3 {
         let truth = path.iter().map(|s| (s.at, s.truth[i]));
-        chart.draw_series(LineSeries::new(truth, BLACK.mix(0.25).stroke_width(5)))?;
+        chart.draw_series(LineSeries::new(truth, RGBColor(200, 200, 200).stroke_width(5)))?;
         let colour = COLOURS[i];
         let value = path.iter().map(|s| (s.at, s.value[i]));
         chart
@@ -138,7 +138,7 @@ fn try_draw(
         .draw()?;
     for side in [-bound, bound] {
         let ends = [(first.at, side), (last.at, side)];
-        chart.draw_series(DashedLineSeries::new(ends, 6, 5, BLACK.mix(0.5).into()))?;
+        chart.draw_series(DashedLineSeries::new(ends, 6, 5, RGBColor(120, 120, 120).into()))?;
     }
     for (i, colour) in COLOURS.iter().enumerate() {
         let error = path.iter().map(|s| (s.at, s.value[i] - s.truth[i]));
