@@ -31,7 +31,7 @@ fn queries(c: &mut Criterion) {
     let chosen = |kind: Evaluator| -> Vec<(Cell<f32>, Local<f32>)> {
         cases
             .iter()
-            .filter(|(cell, local)| choose(cell, local, budget.threshold()).0 == kind)
+            .filter(|(cell, local)| choose(cell, local, budget.threshold()).evaluator == kind)
             .copied()
             .collect()
     };

@@ -32,7 +32,7 @@ fn spatial_converges_to_the_reference() {
         let nodes = published::gauss_legendre(count);
         let errors: Vec<f64> = cases
             .iter()
-            .filter(|c| choose(&c.cell, &c.local, 0.2753).0 == Evaluator::Near)
+            .filter(|c| choose(&c.cell, &c.local, 0.2753).evaluator == Evaluator::Near)
             .map(|c| {
                 let value = published::spatial(&c.cell, &c.local, &nodes);
                 sweep::difference(value, reference::coverage(&c.cell, &c.local))

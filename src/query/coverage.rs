@@ -3,6 +3,7 @@
 use super::{
     choose::{ErrorBudget, Evaluator, choose},
     footprint::Footprint,
+    lattice::lattice,
     masking::{mask_rachis, mask_vane},
     math::{Real, clamp, normal_density, normal_distribution},
     mean, near, stripe,
@@ -35,15 +36,16 @@ impl<T: Real> Coverage<T> {
 
 /// Coverage in cell units by the evaluator that the budget asks for: `[barb, distal, proximal]`.
 pub fn cell_coverage<T: Real>(cell: &Cell<T>, local: &Local<T>, budget: &ErrorBudget<T>) -> [T; 3] {
-    let (evaluator, tight) = choose(cell, local, budget.threshold());
-    let raw = match evaluator {
+    let choice = choose(cell, local, budget.threshold());
+    let raw = match choice.evaluator {
         Evaluator::Mean => mean(cell),
         Evaluator::Stripe => stripe(cell, local),
+        Evaluator::Lattice => lattice(cell, local, choice.row_budget),
         Evaluator::Near => near(
             cell,
             local,
-            &if tight {
-                budget.quality.tight()
+            &if choice.beside_switch {
+                budget.quality.beside_switch()
             } else {
                 budget.quality
             },

@@ -4,7 +4,8 @@
 
 #import bevy_plumage::math::{wrap, sine_turns, cosine_turns, normal_density, normal_distribution}
 #import bevy_plumage::masking::{Vane, Cell}
-#import bevy_plumage::query::{Footprint, Local, reduce, shares}
+#import bevy_plumage::query::{Footprint, reduce, shares}
+#import bevy_plumage::query_far::{Local}
 
 // Methods.
 const PUBLISHED_POINTS: u32 = 1u;
