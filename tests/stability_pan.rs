@@ -13,8 +13,8 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
 /// Pixels per side, frames, and frames per pixel of the pan.
-const SIDE: i32 = 6;
-const FRAMES: i32 = 40;
+const SIDE: i32 = 4;
+const FRAMES: i32 = 32;
 const STEPS_PER_PIXEL: f64 = 16.0;
 
 /// `count` points of a standard normal distribution in the plane, the same in every pixel and frame: a rank-1 lattice

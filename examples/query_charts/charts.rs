@@ -159,6 +159,13 @@ fn share(x: &f64) -> String {
     format!("{x}")
 }
 
+/// A line, piece by piece: some viewers fill what a longer one encloses.
+fn segments(line: &[(f64, f64)], style: ShapeStyle) -> Vec<PathElement<(f64, f64)>> {
+    line.windows(2)
+        .map(|pair| PathElement::new(pair.to_vec(), style))
+        .collect()
+}
+
 /// One panel.
 fn panel(
     area: &Area,
@@ -195,13 +202,13 @@ fn panel(
         .map(|m| (m.cost, m.error))
         .collect();
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
-    chart.draw_series(LineSeries::new(front, FRONT.stroke_width(6)))?;
+    chart.draw_series(segments(&front, FRONT.stroke_width(6)))?;
     for family in families(marks) {
         let colour = colour(family);
         let of: Vec<&Mark> = marks.iter().filter(|m| m.family == family).collect();
-        let line = of.iter().map(|m| (m.cost, m.error));
+        let line: Vec<(f64, f64)> = of.iter().map(|m| (m.cost, m.error)).collect();
         if family != Family::Chosen {
-            chart.draw_series(LineSeries::new(line, colour.stroke_width(1)))?;
+            chart.draw_series(segments(&line, colour.stroke_width(1)))?;
         }
         let radius = if names { 5 } else { 3 };
         chart.draw_series(

@@ -94,16 +94,19 @@ fn counted() -> (Vec<(&'static str, String)>, Wgsl) {
     let mut wgsl = methods::empty();
     wgsl.text = format!(
         "#import bevy_plumage::masking::Cell
-        #import bevy_plumage::query::{{Local, cell_coverage, LOD_MIXED, trips_taken}}
+        #import bevy_plumage::query::{{cell_coverage, LOD_MIXED}}
+        #import bevy_plumage::query_far::{{Local, trips_far}}
+        #import bevy_plumage::query_near::trips_near
         fn measured(cell: Cell, local: Local) -> vec3<f32> {{
             let w = cell_coverage(cell, local, LOD_MIXED, {threshold:?});
             // The sum keeps the call alive.
-            return vec3(trips_taken(), 1e-12 * w.x, 1e-12 * w.y);
+            return vec3(trips_near() + trips_far(), 1e-12 * w.x, 1e-12 * w.y);
         }}"
     );
     let mut all = sources(&wgsl);
     for (file, source) in &mut all {
-        if *file == "query.wgsl" {
+        let name = file.trim_start_matches("query_").trim_end_matches(".wgsl");
+        if name == "near" || name == "far" {
             let mut text = String::new();
             for line in source.lines() {
                 text += line;
@@ -114,7 +117,9 @@ fn counted() -> (Vec<(&'static str, String)>, Wgsl) {
                     text += "trips += 1.0;\n";
                 }
             }
-            text += "var<private> trips: f32;\nfn trips_taken() -> f32 { return trips; }\n";
+            text += &format!(
+                "var<private> trips: f32;\nfn trips_{name}() -> f32 {{ return trips; }}\n"
+            );
             *source = text;
         }
     }

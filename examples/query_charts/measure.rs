@@ -181,29 +181,20 @@ pub fn numbers(cell: &Cell<f32>, local: &Local<f32>) -> [f32; gpu::CASE] {
     ]
 }
 
-/// Sources of the query with some constants changed.
+/// Sources that a method needs.
 pub fn sources(wgsl: &Wgsl) -> Vec<(&'static str, String)> {
-    let mut sources: Vec<(&str, String)> = ["query.wgsl", "masking.wgsl", "math.wgsl"]
+    const FILES: [&str; 5] = [
+        "query.wgsl",
+        "query_near.wgsl",
+        "query_far.wgsl",
+        "masking.wgsl",
+        "math.wgsl",
+    ];
+    FILES
         .iter()
         .chain(wgsl.files)
         .map(|file| (*file, shader::shader_source(file)))
-        .collect();
-    for (name, value) in &wgsl.constants {
-        let start = format!("const {name}: f32 = ");
-        for (_, source) in &mut sources {
-            *source = source
-                .lines()
-                .map(|line| {
-                    if line.starts_with(&start) {
-                        format!("{start}{value:?};\n")
-                    } else {
-                        format!("{line}\n")
-                    }
-                })
-                .collect();
-        }
-    }
-    sources
+        .collect()
 }
 
 /// Nanoseconds per query of a function over the cases.

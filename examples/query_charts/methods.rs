@@ -1,7 +1,7 @@
 //! Every method and setting of the charts: as a Rust function and as the WGSL that does the same.
 
 use bevy_plumage::query::{
-    Cell, ErrorBudget, Evaluator, Local, Quality, cell_coverage, choose, mean, near,
+    Cell, ErrorBudget, Evaluator, Local, cell_coverage, choose, lattice, mean, near,
     published::{Method as Published, Orders},
     stripe,
 };
@@ -9,7 +9,7 @@ use bevy_plumage::query::{
 /// Group of methods that share a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// The chooser with a budget and a quality.
+    /// The chooser with a budget.
     Chosen,
     /// One evaluator, where the chooser picks it.
     Forced(Evaluator),
@@ -43,8 +43,6 @@ pub struct Wgsl {
     pub files: &'static [&'static str],
     /// Imports and the function `measured`.
     pub text: String,
-    /// Constants of `query.wgsl` that are changed.
-    pub constants: Vec<(&'static str, f32)>,
 }
 
 type Function = Box<dyn Fn(&Cell<f32>, &Local<f32>) -> [f32; 3]>;
@@ -63,7 +61,7 @@ pub struct Method {
 
 /// What every WGSL text starts with.
 const IMPORTS: &str = "#import bevy_plumage::masking::Cell
-#import bevy_plumage::query::Local
+#import bevy_plumage::query_far::Local
 ";
 
 fn wgsl(import: &str, expression: &str) -> Wgsl {
@@ -72,7 +70,6 @@ fn wgsl(import: &str, expression: &str) -> Wgsl {
         text: format!(
             "{IMPORTS}{import}\nfn measured(cell: Cell, local: Local) -> vec3<f32> {{ return {expression}; }}"
         ),
-        constants: Vec::new(),
     }
 }
 
@@ -102,36 +99,19 @@ pub fn texture() -> Wgsl {
     )
 }
 
-/// The chooser with a budget and a quality.
-fn chosen(name: &str, epsilon: f32, quality: Quality<f32>) -> Method {
-    let budget = ErrorBudget { epsilon, quality };
+/// The chooser with a budget.
+fn chosen(name: &str, epsilon: f32) -> Method {
+    let budget = ErrorBudget::new(epsilon);
     let threshold = budget.threshold();
-    let text = format!("cell_coverage(cell, local, LOD_MIXED, {threshold:?})");
-    let mut wgsl = wgsl(
-        "#import bevy_plumage::query::{cell_coverage, LOD_MIXED}",
-        &text,
-    );
-    wgsl.constants = constants(&quality);
     Method {
         family: Family::Chosen,
         setting: name.into(),
         cpu: Box::new(move |cell, local| cell_coverage(cell, local, &budget)),
-        wgsl: Some(wgsl),
+        wgsl: Some(wgsl(
+            "#import bevy_plumage::query::{cell_coverage, LOD_MIXED}",
+            &format!("cell_coverage(cell, local, LOD_MIXED, {threshold:?})"),
+        )),
     }
-}
-
-/// The quality as the shader's constants.
-fn constants(q: &Quality<f32>) -> Vec<(&'static str, f32)> {
-    vec![
-        ("REACH", q.reach),
-        ("CELL_PHASE", q.cell_phase),
-        ("CELL_SIGMAS", q.cell_sigmas),
-        ("SINGLE_SIGMAS", q.single_sigmas),
-        ("EDGE_SIGMAS_SQUARED", q.edge_sigmas_squared),
-        ("LEAST_ARC", q.least_arc),
-        ("TIGHT_CELL_PHASE", q.cell_phase.min(0.15)),
-        ("TIGHT_CELL_SIGMAS", q.cell_sigmas.min(0.4)),
-    ]
 }
 
 fn forced(evaluator: Evaluator, name: &str, cpu: Function, import: &str, call: &str) -> Method {
@@ -165,19 +145,18 @@ fn published(
 }
 
 /// Name of the setting that users get if they set nothing.
-pub const DEFAULT: &str = "standard, 1/255";
+pub const DEFAULT: &str = "1/510 (default)";
 /// Name of the published hard switch that the renderer offers.
 pub const SWITCH: &str = "16 nodes, orders 1 and 2";
 
 /// All of them.
 pub fn all() -> Vec<Method> {
-    let standard = Quality::standard();
     let mut methods = vec![
-        chosen("draft, 1/100", 0.01, Quality::draft()),
-        chosen("standard, 1/100", 0.01, standard),
-        chosen(DEFAULT, 1.0 / 255.0, standard),
-        chosen("standard, 1/1000", 0.001, standard),
-        chosen("strict, 1/1000", 0.001, Quality::strict()),
+        chosen("1/100", 0.01),
+        chosen("1/255", 1.0 / 255.0),
+        chosen(DEFAULT, ErrorBudget::<f32>::default().epsilon),
+        chosen("1/2000", 0.0005),
+        chosen("1/4000", 0.000_25),
     ];
     methods.extend(forced_all());
     for count in [4, 16, 64, 256] {
@@ -233,26 +212,38 @@ pub fn all() -> Vec<Method> {
 
 fn forced_all() -> Vec<Method> {
     let budget = ErrorBudget::<f32>::default();
+    let threshold = budget.threshold();
     vec![
         forced(
             Evaluator::Near,
-            "standard",
+            "default",
             Box::new(move |cell, local| near(cell, local, &budget.quality)),
-            "#import bevy_plumage::query::near_coverage",
-            "near_coverage(cell, local, false)",
+            "#import bevy_plumage::query_near::{near_coverage, quality_for_threshold}",
+            &format!("near_coverage(cell, local, quality_for_threshold({threshold:?}, false))"),
+        ),
+        forced(
+            Evaluator::Lattice,
+            "default",
+            Box::new(move |cell, local| {
+                lattice(cell, local, choose(cell, local, threshold).row_budget)
+            }),
+            "#import bevy_plumage::query::choose\n#import bevy_plumage::query_far::lattice_coverage",
+            &format!(
+                "lattice_coverage(cell, local, choose(cell, local, {threshold:?}).row_budget)"
+            ),
         ),
         forced(
             Evaluator::Stripe,
             "closed form",
             Box::new(stripe),
-            "#import bevy_plumage::query::stripe_coverage",
+            "#import bevy_plumage::query_far::stripe_coverage",
             "stripe_coverage(cell, local)",
         ),
         forced(
             Evaluator::Mean,
             "constant",
             Box::new(|cell, _| mean(cell)),
-            "#import bevy_plumage::query::mean_coverage",
+            "#import bevy_plumage::query_far::mean_coverage",
             "mean_coverage(cell)",
         ),
     ]
@@ -260,5 +251,5 @@ fn forced_all() -> Vec<Method> {
 
 /// What the chooser picks at the default budget.
 pub fn kind(cell: &Cell<f32>, local: &Local<f32>) -> Evaluator {
-    choose(cell, local, ErrorBudget::<f32>::default().threshold()).0
+    choose(cell, local, ErrorBudget::<f32>::default().threshold()).evaluator
 }

@@ -37,7 +37,7 @@ pub enum CoverageMethod {
     /// The paper's own: spatial domain by Gauss-Legendre near, frequency domain far, a hard switch between them
     /// ([`crate::query::published`]). For comparison only.
     Published,
-    /// 2,048 point queries per footprint: slow, the truth that the others are compared with.
+    /// 1,024 point queries per footprint: slow, the truth that the others are compared with.
     Supersampled,
 }
 

@@ -34,7 +34,7 @@ const PROXIMAL: u32 = 3u;
 const BATCH: u32 = 4u;
 #ifdef SUPERSAMPLED_COVERAGE
 // Point queries per footprint.
-const SUPERSAMPLES: u32 = 2048u;
+const SUPERSAMPLES: u32 = 1024u;
 #endif
 // A component with less coverage than this is not shaded.
 const LEAST_WEIGHT: f32 = 0.004;

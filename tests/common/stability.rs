@@ -36,10 +36,11 @@ pub fn value(cell: &Cell<f64>, local: &Local<f64>) -> [f64; 3] {
     cell_coverage(&sweep::cell_f32(cell), &sweep::local_f32(local), &budget).map(f64::from)
 }
 
-/// What the chooser says of a footprint, in single precision.
+/// What the chooser says of a footprint, in single precision, and whether NEAR has to be finer.
 pub fn kind(cell: &Cell<f64>, local: &Local<f64>) -> (Evaluator, bool) {
     let threshold = ErrorBudget::<f32>::default().threshold();
-    choose(&sweep::cell_f32(cell), &sweep::local_f32(local), threshold)
+    let choice = choose(&sweep::cell_f32(cell), &sweep::local_f32(local), threshold);
+    (choice.evaluator, choice.beside_switch)
 }
 
 /// Change of the error from one step to the next: largest component, and of the sum.
@@ -49,14 +50,6 @@ pub fn jump(a: &Step, b: &Step) -> [f64; 2] {
         .collect();
     let component = change.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
     [component, change.iter().sum::<f64>().abs()]
-}
-
-/// Largest jump of a path, and the step after which it comes.
-pub fn largest_jump(path: &[Step]) -> (f64, usize) {
-    path.windows(2)
-        .enumerate()
-        .map(|(i, pair)| (jump(&pair[0], &pair[1])[0], i))
-        .fold((0.0, 0), |m, e| if e.0 > m.0 { e } else { m })
 }
 
 /// Where the pictures of failed tests go.
@@ -79,6 +72,18 @@ const COLOURS: [RGBColor; 3] = [
     RGBColor(0, 158, 115),
     RGBColor(0, 114, 178),
 ];
+
+/// A line, piece by piece: some viewers fill what a longer one encloses.
+fn segments(
+    line: impl Iterator<Item = (f64, f64)>,
+    style: ShapeStyle,
+) -> Vec<PathElement<(f64, f64)>> {
+    let points: Vec<(f64, f64)> = line.collect();
+    points
+        .windows(2)
+        .map(|pair| PathElement::new(pair.to_vec(), style))
+        .collect()
+}
 
 fn try_draw(
     file: &Path,
@@ -107,11 +112,11 @@ fn try_draw(
         .draw()?;
     for i in 0..3 {
         let truth = path.iter().map(|s| (s.at, s.truth[i]));
-        chart.draw_series(LineSeries::new(truth, RGBColor(200, 200, 200).stroke_width(5)))?;
+        chart.draw_series(segments(truth, RGBColor(200, 200, 200).stroke_width(5)))?;
         let colour = COLOURS[i];
         let value = path.iter().map(|s| (s.at, s.value[i]));
         chart
-            .draw_series(LineSeries::new(value, colour.stroke_width(2)))?
+            .draw_series(segments(value, colour.stroke_width(2)))?
             .label(NAMES[i])
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
     }
@@ -142,7 +147,7 @@ fn try_draw(
     }
     for (i, colour) in COLOURS.iter().enumerate() {
         let error = path.iter().map(|s| (s.at, s.value[i] - s.truth[i]));
-        chart.draw_series(LineSeries::new(error, colour.stroke_width(1)))?;
+        chart.draw_series(segments(error, colour.stroke_width(1)))?;
     }
     root.present()?;
     Ok(())
