@@ -156,7 +156,11 @@ fn number(x: &f64) -> String {
 }
 
 fn share(x: &f64) -> String {
-    format!("{x}")
+    if *x >= 5e-4 {
+        format!("{}", (x * 1e6).round() * 1e-6)
+    } else {
+        format!("{x:.0e}")
+    }
 }
 
 /// A line, piece by piece: some viewers fill what a longer one encloses.
@@ -258,7 +262,10 @@ fn header<'a>(
     )?;
     let mut x = 14;
     for family in families {
-        let name = family.name();
+        let name = match family {
+            Family::Forced(_) => "that evaluator alone".into(),
+            _ => family.name(),
+        };
         top.draw(&Circle::new((x, 70), 5, colour(*family).filled()))?;
         top.draw_text(
             &name,

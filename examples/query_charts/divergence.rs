@@ -114,11 +114,11 @@ fn counted() -> (Vec<(&'static str, String)>, Wgsl) {
                 let body = line.trim_start();
                 if (body.starts_with("for (") || body.starts_with("while ")) && body.ends_with('{')
                 {
-                    text += "trips += 1.0;\n";
+                    text += "lane_trips += 1.0;\n";
                 }
             }
             text += &format!(
-                "var<private> trips: f32;\nfn trips_{name}() -> f32 {{ return trips; }}\n"
+                "var<private> lane_trips: f32;\nfn trips_{name}() -> f32 {{ return lane_trips; }}\n"
             );
             *source = text;
         }

@@ -258,7 +258,7 @@ fn time_gpu(gpu: &Gpu, kernel: &Kernel, empty: &Kernel, group: &Group, cpu: f64)
         .take(tiles)
         .flat_map(|(cell, local)| numbers(cell, local))
         .collect();
-    let rounds = if tile > 0.05 { 1 } else { ROUNDS };
+    let rounds = if tile > 0.05 { 1 } else { 2 * ROUNDS };
     let best = |kernel: &Kernel| {
         (0..rounds)
             .map(|_| gpu.run(kernel, &input, repeat, Spread::Tile).0)
