@@ -13,7 +13,7 @@ fn report(name: &str, cases: &[Case]) -> [f64; 3] {
         .iter()
         .map(|case| {
             let (cell, local) = (sweep::cell_f32(&case.cell), sweep::local_f32(&case.local));
-            let kind = choose(&cell, &local, budget.threshold()).0;
+            let kind = choose(&cell, &local, budget.threshold()).evaluator;
             let value = cell_coverage(&cell, &local, &budget).map(f64::from);
             let truth = reference::coverage(&case.cell, &case.local);
             let error = sweep::difference(value, truth);
@@ -30,7 +30,12 @@ fn report(name: &str, cases: &[Case]) -> [f64; 3] {
         let errors: Vec<f64> = rows.iter().filter(|r| keep(r)).map(|r| r.0).collect();
         (errors.len(), sweep::statistics(&errors))
     };
-    for kind in [Evaluator::Near, Evaluator::Stripe, Evaluator::Mean] {
+    for kind in [
+        Evaluator::Near,
+        Evaluator::Lattice,
+        Evaluator::Stripe,
+        Evaluator::Mean,
+    ] {
         let (n, [rms, p99, max]) = of(&|r| r.1 == kind);
         eprintln!("{name} {kind:?}: {n} cases, RMS {rms:.5}, P99 {p99:.5}, max {max:.5}");
     }

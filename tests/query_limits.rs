@@ -2,9 +2,9 @@
 mod common;
 
 use bevy_plumage::query::{
-    Cell, ErrorBudget, Evaluator, Footprint, Local, Lod, Vane, cell_coverage, choose,
-    classify_bounds, feather_coverage, mask_vane, mean, near, reduce, reference, split_rachis,
-    stripe,
+    Cell, Choice, ErrorBudget, Evaluator, Footprint, Local, Lod, Vane, cell_coverage, choose,
+    classify_bounds, feather_coverage, lattice, mask_vane, mean, near, reduce, reference,
+    split_rachis, stripe,
 };
 use common::sweep::{self, between};
 use rand::{RngExt, SeedableRng};
@@ -188,17 +188,15 @@ fn switches_do_not_show() {
     let threshold = budget.threshold();
     let steps = 400;
     let (mut jump, mut jump_sum, mut step_change, mut switches) = (0f64, 0f64, 0f64, 0);
-    let value = |cell: &Cell<f64>, local: &Local<f64>, kind: Evaluator, tight: bool| match kind {
+    let value = |cell: &Cell<f64>, local: &Local<f64>, choice: &Choice<f64>| match choice.evaluator
+    {
         Evaluator::Mean => mean(cell),
         Evaluator::Stripe => stripe(cell, local),
-        Evaluator::Near => {
-            let mut quality = budget.quality;
-            if tight {
-                quality.cell_phase = 0.15;
-                quality.cell_sigmas = 0.4;
-            }
-            near(cell, local, &quality)
+        Evaluator::Lattice => lattice(cell, local, choice.row_budget),
+        Evaluator::Near if choice.beside_switch => {
+            near(cell, local, &budget.quality.beside_switch())
         }
+        Evaluator::Near => near(cell, local, &budget.quality),
     };
     for scene in 0..200 {
         let (cell, spacing, sin_bl) = sweep::random_cell(&mut random, scene % 2 == 1);
@@ -206,31 +204,30 @@ fn switches_do_not_show() {
         let angle = between(&mut random, 0.0, std::f64::consts::PI);
         let aspect = 2f64.powf(between(&mut random, 0.0, 4.0));
         let (low, high) = ((0.01 * spacing * sin_bl).ln(), 10f64.ln());
-        let mut before: Option<(Evaluator, bool, f64)> = None;
+        let mut before: Option<(Choice<f64>, f64)> = None;
         for i in 0..steps {
             let major = (low + (high - low) * f64::from(i) / f64::from(steps)).exp();
             let local = sweep::local(u, tau, major, major / aspect, angle, spacing);
-            let (kind, tight) = choose(&cell, &local, threshold);
-            let now = value(&cell, &local, kind, tight);
-            if let Some((last, last_tight, _)) = before
-                && last != kind
+            let choice = choose(&cell, &local, threshold);
+            let now = value(&cell, &local, &choice);
+            if let Some((last, _)) = before
+                && last.evaluator != choice.evaluator
             {
-                let other = value(&cell, &local, last, last_tight);
+                let other = value(&cell, &local, &last);
                 switches += 1;
                 jump = jump.max(sweep::difference(now, other));
                 jump_sum =
                     jump_sum.max((now.iter().sum::<f64>() - other.iter().sum::<f64>()).abs());
             }
+            let mut error = 0.0;
             if scene % 10 == 0 {
-                let error = now.iter().sum::<f64>()
+                error = now.iter().sum::<f64>()
                     - reference::coverage(&cell, &local).iter().sum::<f64>();
-                if let Some((_, _, e)) = before {
+                if let Some((_, e)) = before {
                     step_change = step_change.max((error - e).abs());
                 }
-                before = Some((kind, tight, error));
-            } else {
-                before = Some((kind, tight, 0.0));
             }
+            before = Some((choice, error));
         }
     }
     eprintln!(
@@ -278,7 +275,7 @@ fn bounds_of_a_card_hold_for_its_pixels() {
             covariance,
         };
         let cell = mask_vane(&vane, [0.2, 0.3, 1.0]);
-        let kind = choose(&cell, &reduce(&cell, &vane, &f), threshold).0;
+        let kind = choose(&cell, &reduce(&cell, &vane, &f), threshold).evaluator;
         match lod {
             Lod::Mean => assert_eq!(kind, Evaluator::Mean),
             Lod::Far => assert!(kind != Evaluator::Near, "{vane:?} {f:?}"),

@@ -32,7 +32,7 @@ fn spatial_converges_to_the_reference() {
         let nodes = published::gauss_legendre(count);
         let errors: Vec<f64> = cases
             .iter()
-            .filter(|c| choose(&c.cell, &c.local, 0.2753).0 == Evaluator::Near)
+            .filter(|c| choose(&c.cell, &c.local, 0.2753).evaluator == Evaluator::Near)
             .map(|c| {
                 let value = published::spatial(&c.cell, &c.local, &nodes);
                 sweep::difference(value, reference::coverage(&c.cell, &c.local))
@@ -50,4 +50,55 @@ fn spatial_converges_to_the_reference() {
         last = rms;
     }
     assert!(last < 0.01);
+}
+
+/// Statistics of a method over footprints that `keep` picks.
+fn errors(method: &published::Method<f64>, keep: impl Fn(&sweep::Case) -> bool) -> [f64; 3] {
+    let errors: Vec<f64> = sweep::cases(&mut Pcg64Mcg::seed_from_u64(52), 800, true)
+        .iter()
+        .filter(|c| keep(c))
+        .map(|c| {
+            let value = method.evaluate(&c.cell, &c.local);
+            sweep::difference(value, reference::coverage(&c.cell, &c.local))
+        })
+        .collect();
+    assert!(errors.len() > 20);
+    sweep::statistics(&errors)
+}
+
+#[test]
+fn points_converge_to_the_reference() {
+    let mut last = f64::INFINITY;
+    for count in [4, 64, 1024] {
+        let [rms, p99, max] = errors(&published::Method::Points(count), |_| true);
+        eprintln!("{count} points: RMS {rms:.4}, P99 {p99:.4}, max {max:.4}");
+        assert!(rms < 0.35 * last);
+        last = rms;
+    }
+    assert!(last < 0.01);
+}
+
+#[test]
+fn frequency_converges_where_it_serves() {
+    let mut last = f64::INFINITY;
+    for (stripes, window) in [(1, 2), (4, 8), (8, 24)] {
+        let orders = published::Orders { stripes, window };
+        let [rms, p99, max] = errors(&published::Method::Frequency(orders), |c| {
+            c.local.variance >= 4.0 && c.local.conditional > 0.05
+        });
+        eprintln!("frequency {stripes} {window}: RMS {rms:.5}, P99 {p99:.5}, max {max:.5}");
+        assert!(rms < 0.5 * last);
+        last = rms;
+    }
+    assert!(last < 0.002);
+}
+
+#[test]
+fn a_whole_gap_misses_a_narrow_footprint() {
+    let nodes = published::Method::<f64>::nodes(6);
+    let keep = |c: &sweep::Case| c.scale < 2;
+    let whole = errors(&published::Method::WholeGap(nodes.clone()), keep)[2];
+    let clipped = errors(&published::Method::Spatial(nodes), keep)[2];
+    eprintln!("narrow footprints: whole gap {whole:.3}, clipped {clipped:.3}");
+    assert!(whole > 0.9 && clipped < whole);
 }

@@ -71,7 +71,9 @@ const PREPASS: [&str; 7] = [
 ];
 
 /// Options of the view and the ways of transparency, in the combinations that occur.
-const FORWARD_OPTIONS: [&[&str]; 19] = [
+const FORWARD_OPTIONS: [&[&str]; 21] = [
+    &["PUBLISHED_COVERAGE", "ENVIRONMENT_MAP"],
+    &["SUPERSAMPLED_COVERAGE", "ENVIRONMENT_MAP"],
     &["SAMPLED_ENVIRONMENT"],
     &["SAMPLED_ENVIRONMENT", "ENVIRONMENT_MAP"],
     &["HASHED"],

@@ -5,11 +5,13 @@ use super::{
     vane::{Cell, Local, Vane},
 };
 
-/// The three evaluators, dearest first.
+/// The four evaluators, dearest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Evaluator {
     /// Everything resolved: [`super::near`].
     Near,
+    /// Barbs resolved, the few harmonics of the barbules that are left added: [`super::lattice`].
+    Lattice,
     /// Barbs resolved, barbules averaged along the barb: [`super::stripe`].
     Stripe,
     /// A constant of the cell: [`super::mean`].
@@ -45,10 +47,12 @@ pub struct Quality<T> {
     pub edge_sigmas_squared: T,
     /// `kr`: largest cell as a multiple of the narrowest arc.
     pub least_arc: T,
+    /// How far below `cell_sigmas` cells shrink where the edges are sharp, as a factor, 0.1..1.
+    pub least_sigmas: T,
 }
 
 impl<T: Real> Quality<T> {
-    fn of(values: [f64; 6]) -> Self {
+    fn of(values: [f64; 7]) -> Self {
         let [
             reach,
             cell_phase,
@@ -56,6 +60,7 @@ impl<T: Real> Quality<T> {
             single_sigmas,
             edge_sigmas_squared,
             least_arc,
+            least_sigmas,
         ] = values.map(T::of);
         Self {
             reach,
@@ -64,26 +69,52 @@ impl<T: Real> Quality<T> {
             single_sigmas,
             edge_sigmas_squared,
             least_arc,
+            least_sigmas,
         }
     }
 
     /// RMS error about 0.001.
     pub fn draft() -> Self {
-        Self::of([3.0, 0.5, 1.2, 1.5, 7.5, 0.8])
+        Self::of([3.0, 0.5, 1.0, 1.5, 7.5, 0.8, 0.35])
     }
 
-    /// RMS error about 0.0007; what the shader uses.
+    /// RMS error about 0.0004.
     pub fn standard() -> Self {
-        Self::of([3.0, 0.4, 0.75, 1.5, 7.5, 0.8])
+        Self::of([3.0, 0.4, 0.75, 1.5, 9.0, 0.8, 0.25])
+    }
+
+    /// RMS error about 0.0002.
+    pub fn tight() -> Self {
+        Self::of([3.2, 0.3, 0.6, 1.5, 9.0, 0.8, 0.2])
     }
 
     /// RMS error about 0.0001.
-    pub fn strict() -> Self {
-        Self::of([3.5, 0.1, 0.3, 0.8, 10.0, 0.6])
+    pub fn high() -> Self {
+        Self::of([3.5, 0.15, 0.4, 0.8, 10.0, 0.8, 0.2])
     }
 
-    /// As close as [`Self::standard`] needs to be to STRIPE just before the switch.
-    pub(crate) fn tight(&self) -> Self {
+    /// RMS error below 0.0001, at twice the cost of [`Self::tight`].
+    pub fn strict() -> Self {
+        Self::of([3.5, 0.1, 0.3, 0.8, 12.0, 0.6, 0.2])
+    }
+
+    /// The cheapest of the five whose error is that of the switches at [`ErrorBudget::threshold`].
+    pub fn for_threshold(threshold: T) -> Self {
+        if threshold < T::of(0.2425) {
+            Self::draft()
+        } else if threshold < T::of(0.324) {
+            Self::standard()
+        } else if threshold < T::of(0.359) {
+            Self::tight()
+        } else if threshold < T::of(0.391) {
+            Self::high()
+        } else {
+            Self::strict()
+        }
+    }
+
+    /// As close as it needs to be to LATTICE and STRIPE just before the switch.
+    pub fn beside_switch(&self) -> Self {
         Self {
             cell_phase: self.cell_phase.min(T::of(0.15)),
             cell_sigmas: self.cell_sigmas.min(T::of(0.4)),
@@ -102,16 +133,25 @@ pub struct ErrorBudget<T> {
 }
 
 impl<T: Real> Default for ErrorBudget<T> {
-    /// One step of an 8-bit image.
+    /// Half a step of an 8-bit image.
     fn default() -> Self {
-        Self {
-            epsilon: T::of(1.0 / 255.0),
-            quality: Quality::standard(),
-        }
+        Self::new(T::of(1.0 / 510.0))
     }
 }
 
 impl<T: Real> ErrorBudget<T> {
+    /// The budget that one number asks for: `epsilon` is moved into 1e-4..0.05, and NEAR is as good as the switches.
+    pub fn new(epsilon: T) -> Self {
+        let budget = Self {
+            epsilon: super::math::clamp(epsilon, T::of(1e-4), T::of(0.05)),
+            quality: Quality::standard(),
+        };
+        Self {
+            quality: Quality::for_threshold(budget.threshold()),
+            ..budget
+        }
+    }
+
     /// Variance, in periods squared, from which a pattern may be replaced by its average: dropping every harmonic costs at most
     /// `(2 / pi) exp(-2 pi^2 v)` per direction. 0.275 for 1/255. This is the shader's `threshold`.
     pub fn threshold(&self) -> T {
@@ -136,26 +176,67 @@ pub(crate) fn row_budget<T: Real>(cell: &Cell<T>, local: &Local<T>, threshold: T
     threshold + (T::of(0.64 / 0.9) * window * density).ln() / T::of(19.739_208_8)
 }
 
-/// The cheapest evaluator within the budget, and whether NEAR has to be tight because it is close to a switch.
-pub fn choose<T: Real>(cell: &Cell<T>, local: &Local<T>, threshold: T) -> (Evaluator, bool) {
+/// What the chooser picked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice<T> {
+    /// The cheapest evaluator within the budget.
+    pub evaluator: Evaluator,
+    /// NEAR has to be finer, because it is close to a switch.
+    pub beside_switch: bool,
+    /// Exponents that LATTICE keeps.
+    pub row_budget: T,
+}
+
+/// The cheapest evaluator within the budget (range query study, sec. 4); `threshold` of [`ErrorBudget::threshold`].
+pub fn choose<T: Real>(cell: &Cell<T>, local: &Local<T>, threshold: T) -> Choice<T> {
+    let pick = |evaluator, beside_switch, row_budget| Choice {
+        evaluator,
+        beside_switch,
+        row_budget,
+    };
+    let zero = T::zero();
+    let quarter = T::of(0.25);
     let teeth = T::of(4.0) * cell.kappa * cell.kappa * local.variance;
     if local.conditional > threshold {
         if local.variance > threshold {
-            return (Evaluator::Mean, false);
+            return pick(Evaluator::Mean, false, zero);
         }
-        if teeth > T::of(0.25) {
-            return (Evaluator::Stripe, false);
+        if teeth > quarter {
+            return pick(Evaluator::Stripe, false, zero);
         }
     }
-    if teeth > T::of(0.0625) {
-        let budget = row_budget(cell, local, threshold);
-        // Thirty gaps is what NEAR can walk through.
-        if teeth > T::of(0.25) && (local.conditional > budget || local.variance > T::of(25.0)) {
-            return (Evaluator::Stripe, false);
-        }
-        return (Evaluator::Near, local.conditional > T::of(0.25) * budget);
+    if teeth <= T::of(0.0625) {
+        return pick(Evaluator::Near, false, zero);
     }
-    (Evaluator::Near, false)
+    let budget = row_budget(cell, local, threshold);
+    if teeth > quarter && local.conditional > budget {
+        return pick(Evaluator::Stripe, false, budget);
+    }
+    let sigma = local.variance.sqrt();
+    let limit = T::of(f64::from(super::lattice::MAX_ROWS));
+    let rows = (budget.max(zero) / local.conditional).sqrt().floor();
+    // Sum over the rows of their lengths, an ellipse's area and one node a row for the rounding.
+    let nodes = rows
+        + T::of(core::f64::consts::FRAC_PI_2) * budget.max(zero)
+            / (local.conditional * local.variance).sqrt();
+    let open = cell.v_high - cell.v_low;
+    let climb = climb(cell, local);
+    let cells = T::of(6.0) * sigma * open.max(T::one() - open) * climb / T::of(0.4) + T::one();
+    let many = local.variance > T::of(25.0);
+    if teeth > quarter && (many || (rows <= limit && T::of(1.2) * nodes <= cells)) {
+        return pick(Evaluator::Lattice, false, budget);
+    }
+    let beside_switch = T::of(1.2) * nodes < T::of(4.0) * cells;
+    pick(Evaluator::Near, beside_switch, budget)
+}
+
+/// Barbule periods that the edges climb across the footprint per barb period.
+pub(crate) fn climb<T: Real>(cell: &Cell<T>, local: &Local<T>) -> T {
+    if local.conditional < T::of(0.2) {
+        cell.kappa + local.slope.abs()
+    } else {
+        cell.kappa
+    }
 }
 
 /// What can be said of every footprint whose minor axis is at least `sigma_minor_min` and whose major one at most

@@ -3,6 +3,7 @@
 use super::{
     choose::{ErrorBudget, Evaluator, choose},
     footprint::Footprint,
+    lattice::lattice,
     masking::{mask_rachis, mask_vane},
     math::{Real, clamp, normal_density, normal_distribution},
     mean, near, stripe,
@@ -35,20 +36,26 @@ impl<T: Real> Coverage<T> {
 
 /// Coverage in cell units by the evaluator that the budget asks for: `[barb, distal, proximal]`.
 pub fn cell_coverage<T: Real>(cell: &Cell<T>, local: &Local<T>, budget: &ErrorBudget<T>) -> [T; 3] {
-    let (evaluator, tight) = choose(cell, local, budget.threshold());
-    let [barb, upper, lower] = match evaluator {
+    let choice = choose(cell, local, budget.threshold());
+    let raw = match choice.evaluator {
         Evaluator::Mean => mean(cell),
         Evaluator::Stripe => stripe(cell, local),
+        Evaluator::Lattice => lattice(cell, local, choice.row_budget),
         Evaluator::Near => near(
             cell,
             local,
-            &if tight {
-                budget.quality.tight()
+            &if choice.beside_switch {
+                budget.quality.beside_switch()
             } else {
                 budget.quality
             },
         ),
     };
+    shares(cell, raw)
+}
+
+/// `[barb, upper, lower]` as an evaluator gives it, clamped to disjoint shares and named: `[barb, distal, proximal]`.
+pub(crate) fn shares<T: Real>(cell: &Cell<T>, [barb, upper, lower]: [T; 3]) -> [T; 3] {
     let barb = clamp(barb, T::zero(), T::one());
     let upper = clamp(upper, T::zero(), T::one() - barb);
     let lower = clamp(lower, T::zero(), T::one() - barb - upper);

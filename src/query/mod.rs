@@ -20,6 +20,7 @@
 mod choose;
 mod coverage;
 mod footprint;
+mod lattice;
 mod masking;
 pub mod math;
 mod mean;
@@ -30,15 +31,16 @@ pub mod reference;
 mod stripe;
 mod vane;
 
-pub use choose::{ErrorBudget, Evaluator, Lod, Quality, choose, classify_bounds};
+pub use choose::{Choice, ErrorBudget, Evaluator, Lod, Quality, choose, classify_bounds};
 pub use coverage::{
     Coverage, RachisSplit, cell_coverage, feather_coverage, split_rachis, vane_coverage,
 };
 pub use footprint::Footprint;
+pub use lattice::{MAX_COLUMNS, MAX_ROWS, lattice};
 pub use masking::{mask_rachis, mask_strip, mask_vane};
 pub use math::Real;
 pub use mean::mean;
-pub use near::{MAX_CELLS, MAX_GAPS, near};
+pub use near::{MAX_CELLS, MAX_GAPS, near, near_counted};
 pub use point::{Component, PointHit, feather_point_query, point_query};
 pub use stripe::stripe;
 pub use vane::{Cell, Local, Vane, reduce};

@@ -50,6 +50,8 @@ pub enum CoverageMethod {
     /// The paper's own: spatial domain by Gauss-Legendre near, frequency domain far, a hard switch between them
     /// ([`crate::query::published`]). For comparison only.
     Published,
+    /// 1,024 point queries per footprint: slow, the truth that the others are compared with.
+    Supersampled,
 }
 
 /// What a feather shows instead of its shaded colour.
@@ -81,7 +83,8 @@ pub enum DebugView {
 #[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FeatherSettings {
-    /// Largest error of coverage that the LOD may make, 0.0005..0.1 (half an 8-bit step and more; 1/255).
+    /// Largest error of coverage that a cheaper evaluator may bring, 0.0005..0.05 (half an 8-bit step, 1/510). One number sets the
+    /// thresholds of the LOD and how finely near footprints are resolved.
     pub error_budget: f32,
     /// Strength of the light that reaches a feather through its neighbours, 0..1: scattered light between feathers (0.5).
     pub multiple_scattering: f32,
@@ -101,18 +104,14 @@ pub struct FeatherSettings {
 impl FeatherSettings {
     /// Threshold of the chooser (range query study, sec. 4) for the error budget.
     pub fn threshold(&self) -> f32 {
-        ErrorBudget {
-            epsilon: self.error_budget.clamp(5e-4, 0.1),
-            ..ErrorBudget::default()
-        }
-        .threshold()
+        ErrorBudget::new(self.error_budget.clamp(5e-4, 0.05)).threshold()
     }
 }
 
 impl Default for FeatherSettings {
     fn default() -> Self {
         Self {
-            error_budget: 1.0 / 255.0,
+            error_budget: 1.0 / 510.0,
             multiple_scattering: 0.5,
             shelter: 0.55,
             dither: true,
@@ -170,8 +169,10 @@ impl FeatherPipelineKey {
     /// Shader definitions that do not depend on the view.
     pub(super) fn shader_defs(&self) -> Vec<ShaderDefVal> {
         let mut defs = Vec::new();
-        if self.coverage_method == CoverageMethod::Published {
-            defs.push("PUBLISHED_COVERAGE".into());
+        match self.coverage_method {
+            CoverageMethod::Chosen => {}
+            CoverageMethod::Published => defs.push("PUBLISHED_COVERAGE".into()),
+            CoverageMethod::Supersampled => defs.push("SUPERSAMPLED_COVERAGE".into()),
         }
         if self.sampled_environment {
             defs.push("SAMPLED_ENVIRONMENT".into());

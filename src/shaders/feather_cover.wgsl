@@ -9,6 +9,15 @@
     masking::{mask_rachis, mask_vane},
     query::{Footprint, mirrored, split_rachis, vane_coverage},
 }
+#ifdef PUBLISHED_COVERAGE
+#import bevy_plumage::query_published::{PUBLISHED_SWITCH, PublishedMethod, published_vane_coverage}
+#endif
+#ifdef SUPERSAMPLED_COVERAGE
+#import bevy_plumage::query_published::{PUBLISHED_POINTS, PublishedMethod, published_vane_coverage}
+
+// Point queries per footprint.
+const SUPERSAMPLES: u32 = 1024u;
+#endif
 
 // The card's frame in the world and the eye in it.
 struct Frame {
@@ -66,7 +75,14 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape:
     if (inside < 1e-3) {
         return vec3(0.0);
     }
+#ifdef PUBLISHED_COVERAGE
+    // Whatever the LOD pass says of the card: sixteen nodes near, orders 1 and 2 far.
+    let covered = published_vane_coverage(cell, vane, leftward, PublishedMethod(PUBLISHED_SWITCH, 1u, 16u, 1, 2));
+#else ifdef SUPERSAMPLED_COVERAGE
+    let covered = published_vane_coverage(cell, vane, leftward, PublishedMethod(PUBLISHED_POINTS, SUPERSAMPLES, 16u, 1, 2));
+#else
     let covered = vane_coverage(cell, vane, leftward, level, settings.threshold);
+#endif
     let hook = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
     return inside * vec3(covered.x, covered.yz * hook);
 }

@@ -16,7 +16,7 @@
     feather_pattern::pattern_threshold,
     feather_place::place,
     masking::mask_vane,
-    query::mean_coverage,
+    query_far::mean_coverage,
 }
 #ifdef SAMPLE_COVERAGE
 #import bevy_plumage::feather_opacity::sample_bits

@@ -33,6 +33,14 @@ fn cosine_turns(x: f32) -> f32 {
     return sine_turns(x + 0.25);
 }
 
+// Arc sine of `x` in [0, 1] (Abramowitz and Stegun 4.4.46).
+fn arc_sine(x: f32) -> f32 {
+    var p = -0.0012624911 * x + 0.0066700901;
+    p = ((p * x - 0.0170881256) * x + 0.030891881) * x - 0.0501743046;
+    p = ((p * x + 0.0889789874) * x - 0.2145988016) * x + 1.570796305;
+    return 1.57079633 - sqrt(max(1.0 - x, 0.0)) * p;
+}
+
 // Error function, Abramowitz and Stegun 7.1.26, absolute error below 1.5e-7 plus rounding.
 fn error_function(x: f32) -> f32 {
     let a = abs(x);

@@ -18,7 +18,10 @@ impl Plugin for ShadersPlugin {
     fn build(&self, app: &mut App) {
         load_shader_library!(app, "math.wgsl");
         load_shader_library!(app, "masking.wgsl");
+        load_shader_library!(app, "query_far.wgsl");
+        load_shader_library!(app, "query_near.wgsl");
         load_shader_library!(app, "query.wgsl");
+        load_shader_library!(app, "query_published.wgsl");
         load_shader_library!(app, "anatomy.wgsl");
         load_shader_library!(app, "scattering.wgsl");
         load_shader_library!(app, "scattering_azimuth.wgsl");
