@@ -83,13 +83,22 @@ pub fn stored_tint() -> [f64; 3] {
 
 /// A feather of `assets/feathers`.
 pub fn feather(name: &str) -> Feather {
-    let path = format!("{}/assets/feathers/{name}.feather.ron", env!("CARGO_MANIFEST_DIR"));
+    let path = format!(
+        "{}/assets/feathers/{name}.feather.ron",
+        env!("CARGO_MANIFEST_DIR")
+    );
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
     ron::from_str(&text).unwrap_or_else(|e| panic!("{path}: {e}"))
 }
 
 /// The picture of the explicit curves, `samples` squared rays a pixel.
-pub fn reference(feather: &Feather, curves: &Curves, view: &View, options: CurveOptions, samples: u32) -> Picture {
+pub fn reference(
+    feather: &Feather,
+    curves: &Curves,
+    view: &View,
+    options: CurveOptions,
+    samples: u32,
+) -> Picture {
     let mut shader = CurveShader::new(feather, stored_tint(), options);
     shader.lights = vec![(unit(view.light), [1.0; 3])];
     let camera = view.camera();
@@ -129,7 +138,10 @@ impl Difference {
         let bias = pairs.iter().map(|(a, b)| a - b).sum::<f64>() / n;
         let mut values: Vec<f64> = pairs.iter().map(|(_, b)| *b).collect();
         values.sort_by(f64::total_cmp);
-        let range = values.get(values.len() * 999 / 1000).copied().unwrap_or(0.0);
+        let range = values
+            .get(values.len() * 999 / 1000)
+            .copied()
+            .unwrap_or(0.0);
         Self {
             rmse: square.sqrt(),
             mean,
@@ -182,12 +194,14 @@ impl Studio {
                 .disable::<PipelinedRenderingPlugin>(),
             PlumagePlugins,
         ));
-        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(16)))
-            .insert_resource(ClearColor(Color::BLACK))
-            .insert_resource(GlobalAmbientLight {
-                brightness: 0.0,
-                ..default()
-            });
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
+            16,
+        )))
+        .insert_resource(ClearColor(Color::BLACK))
+        .insert_resource(GlobalAmbientLight {
+            brightness: 0.0,
+            ..default()
+        });
         while app.plugins_state() == PluginsState::Adding {
             bevy::tasks::tick_global_task_pools_on_main_thread();
         }
@@ -277,7 +291,8 @@ impl Studio {
         let side = (f64::from(view.size) * view.pixel) as f32;
         let world = self.app.world_mut();
         world.entity_mut(self.camera).insert((
-            Transform::from_translation(target + 2.0 * vector(unit(view.eye))).looking_at(target, Vec3::Y),
+            Transform::from_translation(target + 2.0 * vector(unit(view.eye)))
+                .looking_at(target, Vec3::Y),
             Projection::Orthographic(OrthographicProjection {
                 scaling_mode: ScalingMode::Fixed {
                     width: side,
@@ -288,7 +303,11 @@ impl Studio {
                 ..OrthographicProjection::default_3d()
             }),
         ));
-        let up = if view.light[0].abs() + view.light[2].abs() > 1e-3 { Vec3::Y } else { Vec3::X };
+        let up = if view.light[0].abs() + view.light[2].abs() > 1e-3 {
+            Vec3::Y
+        } else {
+            Vec3::X
+        };
         world
             .entity_mut(self.light)
             .insert(Transform::from_translation(vector(view.light)).looking_at(Vec3::ZERO, up));
@@ -308,7 +327,10 @@ impl Studio {
             if let Some(image) = got.lock().unwrap().take() {
                 return (0..self.size * self.size)
                     .map(|i| {
-                        let color = image.get_color_at(i % self.size, i / self.size).unwrap().to_linear();
+                        let color = image
+                            .get_color_at(i % self.size, i / self.size)
+                            .unwrap()
+                            .to_linear();
                         [color.red, color.green, color.blue].map(f64::from)
                     })
                     .collect();
@@ -342,11 +364,47 @@ fn card(aspect: f32) -> Card {
 fn card_mesh(aspect: f32) -> Mesh {
     let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let place = |[u, v]: [f32; 2]| [(u - 0.5) * aspect, v, 0.0];
-    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, corners.map(place).to_vec())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; 4])
-        .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[0.0, 1.0, 0.0, -1.0]; 4])
-        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, corners.to_vec())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, vec![[0.0_f32, 0.0]; 4])
-        .with_inserted_indices(Indices::U32(vec![0, 1, 2, 0, 2, 3]))
+    Mesh::new(
+        PrimitiveTopology::TriangleList,
+        RenderAssetUsages::default(),
+    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, corners.map(place).to_vec())
+    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; 4])
+    .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[0.0, 1.0, 0.0, -1.0]; 4])
+    .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, corners.to_vec())
+    .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, vec![[0.0_f32, 0.0]; 4])
+    .with_inserted_indices(Indices::U32(vec![0, 1, 2, 0, 2, 3]))
+}
+
+/// Where the comparison is made: near (a barbule is several pixels wide), at the switch from resolved to averaged barbules,
+/// far (the whole feather), and obliquely at the switch. The light is to be filled in.
+pub fn distances(feather: &Feather, size: u32) -> [(&'static str, View); 4] {
+    use bevy_plumage::anatomy::Side;
+    let x = -0.1 + f64::from(feather.rachis.curve[4] - 0.5) * f64::from(feather.aspect);
+    let spacing = f64::from(feather.d_bl(Side::Left));
+    let view = |pixel: f64, target: [f64; 2], eye: [f64; 3]| View {
+        size,
+        pixel,
+        target,
+        eye,
+        light: [0.0, 0.0, 1.0],
+    };
+    let tilted = [0.15, -0.2, 1.0];
+    [
+        ("near", view(0.12 * spacing, [x, 0.6], tilted)),
+        // Half a pixel's deviation reaches the chooser's 0.524 periods.
+        ("switch", view(1.05 * spacing, [x, 0.6], tilted)),
+        ("far", view(1.1 / f64::from(size), [0.0, 0.52], tilted)),
+        ("oblique", view(0.7 * spacing, [x, 0.6], [0.7, -0.5, 0.8])),
+    ]
+}
+
+/// Four lights: over the eye's shoulder, from the side, from the tip and low, from behind.
+pub fn lights() -> [(&'static str, [f64; 3]); 4] {
+    [
+        ("front", [0.3, 0.4, 1.0]),
+        ("side", [-1.0, 0.1, 0.5]),
+        ("low", [0.2, 1.0, 0.25]),
+        ("behind", [0.3, 0.2, -1.0]),
+    ]
 }
