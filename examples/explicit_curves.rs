@@ -10,11 +10,13 @@ use bevy_plumage::{
     curves::{CurveOptions, Curves, Field, Visibility},
     prelude::FeatherSettings,
 };
-use curves_common::{Difference, Picture, Studio, View, distances, feather, lights, reference};
+use curves_common::{
+    Difference, Picture, Studio, View, distances, feather, lights, middle, references,
+};
 use std::{env, error::Error, fmt::Write, fs, path::Path, time::Instant};
 
 /// Side of the pictures.
-const SIZE: u32 = 160;
+const SIZE: u32 = 128;
 /// What a shade of grey in the third column stands for, relative to the range.
 const GAIN: f64 = 8.0;
 /// Feather of the comparison: a small covert, so that its fibres fit into memory many times over.
@@ -46,11 +48,16 @@ fn main() -> Result<(), Box<dyn Error>> {
                 ..place
             };
             let shown = studio.picture(&view);
-            for (name, options) in references() {
+            for (name, options) in kinds() {
                 if number > 0 && options.field == Field::Near {
                     continue;
                 }
-                let truth = reference(&feather, &curves, &view, options, 12);
+                let samples = if options == CurveOptions::default() {
+                    8
+                } else {
+                    4
+                };
+                let truth = references(&feather, &curves, &view, options, samples);
                 let d = Difference::of(&shown, &truth);
                 writeln!(
                     csv,
@@ -69,7 +76,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 );
                 if number == 0 && options == CurveOptions::default() {
                     let gain = GAIN / d.range.max(1e-9);
-                    rows.push(pictures(&shown, &truth, d.range, gain));
+                    rows.push(pictures(&shown, &middle(&truth), d.range, gain));
                 }
             }
         }
@@ -96,7 +103,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::process::exit(0)
 }
 
-fn references() -> [(&'static str, CurveOptions); 3] {
+fn kinds() -> [(&'static str, CurveOptions); 3] {
     let plain = CurveOptions::default();
     [
         ("estimated shadows", plain),

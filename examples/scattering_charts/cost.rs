@@ -57,7 +57,7 @@ fn fibres() -> [(&'static str, Fibre); 3] {
 /// Directions at which far fields are compared: inclinations of the eye, and the lights for each.
 fn places() -> Vec<(f64, f64, f64)> {
     let mut all = Vec::new();
-    for theta_o in [0.05, 0.5, 0.95, 1.25] {
+    for theta_o in [0.05_f64, 0.5, 0.95, 1.25] {
         for shift in [-0.2, 0.1] {
             for k in 0..36 {
                 all.push((

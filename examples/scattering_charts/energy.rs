@@ -69,7 +69,7 @@ pub fn sweep(folder: &Path) -> Result<()> {
                 longitudinal_roughness: roughness,
                 ..structural(0.8)
             };
-            let points: Vec<_> = [0.0, 0.4, 0.8, 1.2, 1.45, 1.55]
+            let points: Vec<(f64, f64)> = [0.0, 0.4, 0.8, 1.2, 1.45, 1.55]
                 .into_iter()
                 .map(|t: f64| {
                     // The mean over the azimuth of the eye: a flat fibre shows its broad and its narrow side.
@@ -92,7 +92,7 @@ pub fn sweep(folder: &Path) -> Result<()> {
                 .collect();
             worst = points
                 .iter()
-                .map(|p| (p.1 - 1.0).abs())
+                .map(|p| (p.1 - 1.0_f64).abs())
                 .fold(worst, f64::max);
             curves.push((format!("aspect {aspect}, roughness {roughness}"), points));
         }

@@ -18,9 +18,9 @@ pub struct Barb {
 pub struct Barbule {
     /// Place of its root on the axis of its barb, along the barb direction, feather lengths.
     pub root: f64,
-    /// Where it begins, feather lengths: at the barb's flank, or where it enters the outline.
+    /// Where it begins, feather lengths: on its barb, or where it enters the outline.
     pub begin: f32,
-    /// Where it ends: at the next barb's flank, or where it leaves the outline.
+    /// Where it ends: on the next barb, or where it leaves the outline.
     pub end: f32,
     /// Share of the family's radius that shows, 0..1: loose barbules stand on edge.
     pub width: f32,
@@ -223,10 +223,12 @@ impl VaneCurves {
             let [x, y] = at(0.5 * (begin + end));
             let reach = outline.reach(y - x * outline.cot);
             let hooked = map::hooked(x, y, reach, f64::from(vane.fringe), f64::from(vane.downy));
+            // A barbule that reaches a barb is cut along the barb's flank, when a ray meets it, and not across its own axis.
+            let whole = (self.period / self.sin_bl) as f32;
             list.push(Barbule {
                 root,
-                begin: begin as f32,
-                end: end as f32,
+                begin: if begin > flank { begin as f32 } else { 0.0 },
+                end: if end < far { end as f32 } else { whole },
                 width: map::barbule_factor(hooked) as f32,
             });
         }

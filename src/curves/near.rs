@@ -56,7 +56,14 @@ pub fn near_field(
     let lit = 1.0 + (x * x * (3.0 - 2.0 * x) - 1.0) * dark_back;
     std::array::from_fn(|channel| {
         let core = p.structural.then_some((p.core, colour.core[channel]));
-        let share = attenuation(&c, core, medulla, colour.absorption[channel]);
+        // The colour of a mirror core is its reflectance; absorption is for the light that passes beside it.
+        let mirrored = p.structural && c.offset.abs() < p.core;
+        let absorption = if mirrored {
+            0.0
+        } else {
+            colour.absorption[channel]
+        };
+        let share = attenuation(&c, core, medulla, absorption);
         let mut sum = 0.0;
         for lobe in [Lobe::R, Lobe::TT, Lobe::TRT, Lobe::TRcT] {
             let amount = share[lobe as usize];

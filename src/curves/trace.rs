@@ -241,7 +241,12 @@ impl VaneCurves {
                 };
                 let along = sign * (ray.at(t, 0) - across) * self.sin_bl
                     + (ray.at(t, 1) - barbule.root) * self.cos_bl;
-                if (f64::from(barbule.begin)..=f64::from(barbule.end)).contains(&along) {
+                // Between the flanks of the two barbs.
+                let in_gap = ray.at(t, 0) - k as f64 * self.period;
+                let flank = self.radius[0][0];
+                if (flank..=self.period - flank).contains(&in_gap)
+                    && (f64::from(barbule.begin)..=f64::from(barbule.end)).contains(&along)
+                {
                     let fibre = FibreId {
                         part: if proximal {
                             Part::Proximal

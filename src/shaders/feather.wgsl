@@ -61,12 +61,11 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape:
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
     let angles = feather_at(slot);
     let last = feather_at(slot + 2u);
-    let vane = data::vane_unpack(angles, feather_at(slot + 1u), last);
+    var vane = data::vane_unpack(angles, feather_at(slot + 1u), last);
     // The right vane is the left one mirrored.
     let side = select(1.0, -1.0, right);
     var leftward = footprint;
     if (right) { leftward = mirrored(footprint); }
-    let cell = mask_vane(vane, frame.local_eye * vec3(side, 1.0, 1.0));
     // Angle of the barbs in radians.
     let angle = last.w;
     let root = barb_root(footprint.mean, angle);
@@ -77,9 +76,12 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape:
     if (inside < 1e-3) {
         return vec3(0.0);
     }
-    let covered = vane_coverage(cell, vane, leftward, level, settings.threshold);
+    // Loose barbules stand on edge: they are narrower, and hide less of each other.
     let hook = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
-    return inside * vec3(covered.x, covered.yz * hook);
+    vane.r_bd *= hook;
+    vane.r_bp *= hook;
+    let cell = mask_vane(vane, frame.local_eye * vec3(side, 1.0, 1.0));
+    return inside * vane_coverage(cell, vane, leftward, level, settings.threshold);
 }
 
 fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u32) -> Covered {
@@ -210,7 +212,7 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
     let sheen = sheen_at(base, sheen_place(abs(frame.local_eye.z)));
     let fuzz_albedo = sheen_albedo(sheen, fuzz.x);
     let shares = feather_at(base + data::SHARES);
-    let harmonics = select(8u, 3u, (in.card.w & 7u) == data::CARD_MEAN);
+    let harmonics = select(8u, 4u, (in.card.w & 7u) == data::CARD_MEAN);
 
     // The part of the sky that the feathers above leave open grows towards the tip.
     let open = 1.0 - settings.shelter * (1.0 - smoothstep(0.05, 0.8, in.uv.y));

@@ -91,62 +91,78 @@ pub fn feather(name: &str) -> Feather {
     ron::from_str(&text).unwrap_or_else(|e| panic!("{path}: {e}"))
 }
 
-/// The picture of the explicit curves, `samples` squared rays a pixel.
-pub fn reference(
+/// Two independent pictures of the explicit curves, `samples` squared rays a pixel each.
+pub fn references(
     feather: &Feather,
     curves: &Curves,
     view: &View,
     options: CurveOptions,
     samples: u32,
-) -> Picture {
+) -> [Picture; 2] {
     let mut shader = CurveShader::new(feather, stored_tint(), options);
     shader.lights = vec![(unit(view.light), [1.0; 3])];
     let camera = view.camera();
-    (0..view.size)
-        .into_par_iter()
-        .flat_map_iter(|row| camera.row(curves, &shader, row, samples, 7))
-        .map(|p| [p[0], p[1], p[2]])
-        .collect()
+    [7, 8].map(|seed| {
+        (0..view.size)
+            .into_par_iter()
+            .flat_map_iter(|row| camera.row(curves, &shader, row, samples, seed))
+            .map(|p| [p[0], p[1], p[2]])
+            .collect()
+    })
 }
 
-/// How far two pictures are apart.
+/// How far the plugin's picture is from the reference.
 #[derive(Clone, Copy, Debug)]
 pub struct Difference {
-    /// Root mean square of the difference over pixels and channels, where either shows anything.
+    /// Root mean square of the difference over the pixels and channels where either shows anything, without the reference's own
+    /// sampling noise: the mean product of the differences to two independent references.
     pub rmse: f64,
     /// Mean of the reference over the same.
     pub mean: f64,
     /// 99.9th percentile of the reference: the range.
     pub range: f64,
-    /// Mean difference over the mean: bias.
+    /// Mean difference over the mean.
     pub bias: f64,
+}
+
+/// Mean of two pictures.
+pub fn middle([a, b]: &[Picture; 2]) -> Picture {
+    let pairs = a.iter().zip(b);
+    pairs
+        .map(|(a, b)| [0, 1, 2].map(|c| 0.5 * (a[c] + b[c])))
+        .collect()
 }
 
 impl Difference {
     /// Compares linear pictures.
-    pub fn of(shown: &Picture, reference: &Picture) -> Self {
+    pub fn of(shown: &Picture, references: &[Picture; 2]) -> Self {
+        let reference = middle(references);
         let lit = |p: &[f64; 3]| p.iter().sum::<f64>() > 1e-5;
-        let pairs: Vec<_> = shown
-            .iter()
-            .zip(reference)
-            .filter(|(a, b)| lit(a) || lit(b))
-            .flat_map(|(a, b)| [0, 1, 2].map(|c| (a[c], b[c])))
-            .collect();
-        let n = pairs.len().max(1) as f64;
-        let mean = pairs.iter().map(|(_, b)| b).sum::<f64>() / n;
-        let square = pairs.iter().map(|(a, b)| (a - b).powi(2)).sum::<f64>() / n;
-        let bias = pairs.iter().map(|(a, b)| a - b).sum::<f64>() / n;
-        let mut values: Vec<f64> = pairs.iter().map(|(_, b)| *b).collect();
+        let [first, second] = references;
+        let mut values = Vec::new();
+        let (mut square, mut bias) = (0.0, 0.0);
+        for (i, p) in shown.iter().enumerate() {
+            if !lit(p) && !lit(&reference[i]) {
+                continue;
+            }
+            for c in 0..3 {
+                square += (p[c] - first[i][c]) * (p[c] - second[i][c]);
+                bias += p[c] - reference[i][c];
+                values.push(reference[i][c]);
+            }
+        }
+        let n = values.len().max(1) as f64;
+        let mean = values.iter().sum::<f64>() / n;
         values.sort_by(f64::total_cmp);
         let range = values
             .get(values.len() * 999 / 1000)
             .copied()
             .unwrap_or(0.0);
         Self {
-            rmse: square.sqrt(),
+            rmse: (square / n).max(0.0).sqrt(),
             mean,
             range,
-            bias: bias / mean.max(1e-12),
+            bias: bias / n / mean.max(1e-12),
         }
     }
 
@@ -377,7 +393,7 @@ fn card_mesh(aspect: f32) -> Mesh {
 }
 
 /// Where the comparison is made: near (a barbule is several pixels wide), at the switch from resolved to averaged barbules,
-/// far (the whole feather), and obliquely at the switch. The light is to be filled in.
+/// far (the whole feather), all three from above, and obliquely at the switch. The light is to be filled in.
 pub fn distances(feather: &Feather, size: u32) -> [(&'static str, View); 4] {
     use bevy_plumage::anatomy::Side;
     let x = -0.1 + f64::from(feather.rachis.curve[4] - 0.5) * f64::from(feather.aspect);
@@ -389,12 +405,12 @@ pub fn distances(feather: &Feather, size: u32) -> [(&'static str, View); 4] {
         eye,
         light: [0.0, 0.0, 1.0],
     };
-    let tilted = [0.15, -0.2, 1.0];
+    let above = [0.0, 0.0, 1.0];
     [
-        ("near", view(0.12 * spacing, [x, 0.6], tilted)),
+        ("near", view(0.12 * spacing, [x, 0.6], above)),
         // Half a pixel's deviation reaches the chooser's 0.524 periods.
-        ("switch", view(1.05 * spacing, [x, 0.6], tilted)),
-        ("far", view(1.1 / f64::from(size), [0.0, 0.52], tilted)),
+        ("switch", view(1.05 * spacing, [x, 0.6], above)),
+        ("far", view(1.1 / f64::from(size), [0.0, 0.52], above)),
         ("oblique", view(0.7 * spacing, [x, 0.6], [0.7, -0.5, 0.8])),
     ]
 }
