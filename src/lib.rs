@@ -20,11 +20,12 @@
 //! # Modules
 //!
 //! [`query`] and [`scattering`] are pure maths, each function with a WGSL twin of the same name in `shaders/`; [`anatomy`] is one
-//! feather, [`groom`] puts feathers on a bird, [`render`] draws them.
+//! feather, [`groom`] puts feathers on a bird, [`render`] draws them; [`curves`] is the slow reference with explicit fibres.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod anatomy;
+pub mod curves;
 pub mod groom;
 pub mod query;
 pub mod render;

@@ -203,7 +203,7 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
             let painted = min(albedo * shares[part], vec3(0.98));
             let single = single_scattering_albedo(painted, settings.multiple_scattering);
             let fibre = read_part(base, part, tangent, frame);
-            var harmonics = 3u;
+            var harmonics = 4u;
             if (level != data::CARD_MEAN) {
                 harmonics = fibre_terms(settings.threshold, fibre.parameters.azimuthal_roughness);
             }

@@ -59,12 +59,11 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape:
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
     let angles = feather_at(slot);
     let last = feather_at(slot + 2u);
-    let vane = data::vane_unpack(angles, feather_at(slot + 1u), last);
+    var vane = data::vane_unpack(angles, feather_at(slot + 1u), last);
     // The right vane is the left one mirrored.
     let side = select(1.0, -1.0, right);
     var leftward = footprint;
     if (right) { leftward = mirrored(footprint); }
-    let cell = mask_vane(vane, frame.local_eye * vec3(side, 1.0, 1.0));
     // Angle of the barbs in radians.
     let angle = last.w;
     let root = barb_root(footprint.mean, angle);
@@ -75,6 +74,11 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape:
     if (inside < 1e-3) {
         return vec3(0.0);
     }
+    // Loose barbules stand on edge: they are narrower, and hide less of each other.
+    let hook = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
+    vane.r_bd *= hook;
+    vane.r_bp *= hook;
+    let cell = mask_vane(vane, frame.local_eye * vec3(side, 1.0, 1.0));
 #ifdef PUBLISHED_COVERAGE
     // Whatever the LOD pass says of the card: sixteen nodes near, orders 1 and 2 far.
     let covered = published_vane_coverage(cell, vane, leftward, PublishedMethod(PUBLISHED_SWITCH, 1u, 16u, 1, 2));
@@ -83,8 +87,7 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape:
 #else
     let covered = vane_coverage(cell, vane, leftward, level, settings.threshold);
 #endif
-    let hook = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
-    return inside * vec3(covered.x, covered.yz * hook);
+    return inside * covered;
 }
 
 fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u32) -> Covered {

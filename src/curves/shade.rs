@@ -1,0 +1,301 @@
+//! Light at a hit: the plugin's K, one bounce.
+
+use super::{CurveHit, Curves, FibreId, Part, Ray, near_field, trace::rim_point};
+use crate::{
+    anatomy::{BAKE_HEIGHT, BAKE_WIDTH, Feather, Side},
+    scattering::{
+        Fibre, FibreShading, FibreTable, Sheen, fibre_evaluate, fibre_local, fibre_sample,
+        fibre_shading, light_visibility, sheen_albedo, sheen_evaluate, sheen_lookup,
+    },
+};
+
+/// Which part of a fibre's width K is averaged over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Field {
+    /// The whole width, as the plugin's far field.
+    #[default]
+    Far,
+    /// The very place that the ray met.
+    Near,
+}
+
+/// How neighbouring fibres shadow a hit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Visibility {
+    /// Not at all.
+    None,
+    /// By the plugin's estimate, [`light_visibility`].
+    #[default]
+    Estimated,
+    /// By a ray to the light.
+    Traced,
+}
+
+/// What the reference shades with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurveOptions {
+    /// Part of the width.
+    pub field: Field,
+    /// Shadows between fibres.
+    pub visibility: Visibility,
+    /// Terms of the azimuth series, 1..=8.
+    pub harmonics: u32,
+    /// Samples of the environment at a hit, 0: no environment.
+    pub environment_samples: u32,
+}
+
+impl Default for CurveOptions {
+    fn default() -> Self {
+        Self {
+            field: Field::Far,
+            visibility: Visibility::Estimated,
+            harmonics: 8,
+            environment_samples: 0,
+        }
+    }
+}
+
+/// One directional light: unit direction towards it in card space, irradiance across its beam (linear RGB).
+pub type CurveLight = ([f64; 3], [f64; 3]);
+
+/// Everything that shading a feather's curves needs.
+pub struct CurveShader {
+    fibres: [(Fibre, FibreTable); 4],
+    /// Width over period of barbs, distal and proximal barbules, left and right.
+    crowding: [[f64; 4]; 2],
+    faces: [Vec<[f64; 4]>; 2],
+    shares: [f64; 4],
+    tint: [f64; 3],
+    sheen: Sheen,
+    dark_back: f64,
+    curve: crate::anatomy::FeatherMap,
+    aspect: f64,
+    /// How to shade.
+    pub options: CurveOptions,
+    /// The lights.
+    pub lights: Vec<CurveLight>,
+    /// Radiance from a unit direction in card space, used with `environment_samples`.
+    pub environment: fn([f64; 3]) -> [f64; 3],
+}
+
+fn linear(byte: u8) -> f64 {
+    let x = f64::from(byte) / 255.0;
+    if x <= 0.04045 {
+        x / 12.92
+    } else {
+        ((x + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+impl CurveShader {
+    /// Prepares fibre tables and albedo. `tint`: the region colour that a groom gives, linear RGB.
+    pub fn new(feather: &Feather, tint: [f64; 3], options: CurveOptions) -> Self {
+        let optics = &feather.optics;
+        let share = feather.albedo.share;
+        let bake = |pattern: &crate::anatomy::Pattern| {
+            pattern
+                .bake(BAKE_WIDTH, BAKE_HEIGHT, feather)
+                .chunks_exact(4)
+                .map(|p| {
+                    [
+                        linear(p[0]),
+                        linear(p[1]),
+                        linear(p[2]),
+                        f64::from(p[3]) / 255.0,
+                    ]
+                })
+                .collect()
+        };
+        let crowding = Side::BOTH.map(|side| {
+            let family = |r: f32, period: f32| f64::from((2.0 * r / period.max(1e-9)).min(1.0));
+            [
+                1.0,
+                family(feather.r_b(side), feather.p_b(side)),
+                family(feather.r_bd(side), feather.p_bl(side)),
+                family(feather.r_bp(side), feather.p_bl(side)),
+            ]
+        });
+        Self {
+            fibres: [optics.rachis, optics.barb, optics.distal, optics.proximal]
+                .map(|fibre| (fibre, FibreTable::build(&fibre))),
+            crowding,
+            faces: [
+                bake(&feather.albedo.front),
+                bake(feather.albedo.back_pattern()),
+            ],
+            shares: [share.rachis, share.barb, share.barbule, share.barbule].map(f64::from),
+            tint,
+            sheen: optics.sheen,
+            dark_back: f64::from(u8::from(feather.albedo.back.is_none())),
+            curve: feather.map(),
+            aspect: f64::from(feather.aspect),
+            options,
+            lights: Vec::new(),
+            environment: |_| [0.0; 3],
+        }
+    }
+
+    /// Painted colour at a point of card space seen from the front or the back, linear RGB.
+    fn painted(&self, point: [f64; 3], front: bool) -> [f64; 3] {
+        let face = &self.faces[usize::from(!front)];
+        let (w, h) = (BAKE_WIDTH, BAKE_HEIGHT);
+        let place = |x: f64, n: usize| {
+            let x = (x * n as f64 - 0.5).clamp(0.0, (n - 1) as f64);
+            let i = (x as usize).min(n - 2);
+            (i, x - i as f64)
+        };
+        let (i, fi) = place(point[0] / self.aspect + 0.5, w);
+        let (j, fj) = place(point[1], h);
+        let texel: [f64; 4] = std::array::from_fn(|c| {
+            let at = |i: usize, j: usize| face[j * w + i][c];
+            let low = at(i, j) + (at(i + 1, j) - at(i, j)) * fi;
+            let high = at(i, j + 1) + (at(i + 1, j + 1) - at(i, j + 1)) * fi;
+            low + (high - low) * fj
+        });
+        std::array::from_fn(|c| texel[c] + (self.tint[c] - texel[c]) * texel[3])
+    }
+
+    /// Albedo of the fibre at a hit, seen along `direction`.
+    pub fn albedo(&self, hit: &CurveHit, direction: [f64; 3]) -> [f64; 3] {
+        let share = self.shares[hit.fibre.part as usize];
+        self.painted(hit.point, direction[2] < 0.0)
+            .map(|a| (a * share).min(0.98))
+    }
+
+    /// K's far field of the fibre at a hit, for an eye that looks along `direction`.
+    pub fn prepare(
+        &self,
+        hit: &CurveHit,
+        direction: [f64; 3],
+        albedo: [f64; 3],
+    ) -> FibreShading<f64> {
+        let (_, table) = &self.fibres[hit.fibre.part as usize];
+        let eye = fibre_local(hit.tangent, NORMAL, direction.map(|x| -x));
+        let row = table.row((1.0 - eye[0] * eye[0]).max(0.0).sqrt());
+        fibre_shading(
+            &table.fibre(),
+            &row,
+            albedo,
+            eye,
+            self.dark_back,
+            self.options.harmonics,
+        )
+    }
+
+    /// Share of the fibre at a hit that the light from unit direction `to_light` reaches; `u`: uniform, picks a place on its
+    /// width (traced shadows are 0 or 1).
+    pub fn visibility(&self, curves: &Curves, hit: &CurveHit, to_light: [f64; 3], u: f64) -> f64 {
+        match self.options.visibility {
+            Visibility::None => 1.0,
+            Visibility::Estimated => {
+                let side = usize::from(hit.fibre.side == Side::Right);
+                let local = fibre_local(hit.tangent, NORMAL, to_light);
+                let cos_theta = (1.0 - local[0] * local[0]).max(1e-6).sqrt();
+                light_visibility(
+                    to_light[2],
+                    self.crowding[side][hit.fibre.part as usize],
+                    cos_theta,
+                )
+            }
+            Visibility::Traced => {
+                f64::from(u8::from(!shadowed(curves, hit, to_light, 2.0 * u - 1.0)))
+            }
+        }
+    }
+
+    /// Radiance towards the eye, linear RGB: the lights, the environment, sheen. `direction`: unit, from the eye; `random`:
+    /// uniform numbers 0..1 by index.
+    pub fn radiance(
+        &self,
+        curves: &Curves,
+        hit: &CurveHit,
+        direction: [f64; 3],
+        random: impl Fn(u32) -> f64,
+    ) -> [f64; 3] {
+        let eye = direction.map(|x| -x);
+        let facing = [0.0, 0.0, eye[2].signum()];
+        let ltc = sheen_lookup(eye[2].abs(), f64::from(self.sheen.roughness));
+        let strength = f64::from(self.sheen.strength);
+        let base = 1.0 - sheen_albedo(ltc, strength);
+        let albedo = self.albedo(hit, direction);
+        let far = self.prepare(hit, direction, albedo);
+        let scatter = |to_light: [f64; 3]| match self.options.field {
+            Field::Far => fibre_evaluate(&far, fibre_local(hit.tangent, NORMAL, to_light)),
+            Field::Near => {
+                let (fibre, table) = &self.fibres[hit.fibre.part as usize];
+                let local = |v| fibre_local(hit.tangent, NORMAL, v);
+                let dark = self.dark_back;
+                near_field(
+                    fibre,
+                    table,
+                    albedo,
+                    local(eye),
+                    local(to_light),
+                    hit.offset,
+                    dark,
+                )
+            }
+        };
+        let mut sum = [0.0; 3];
+        for (i, (to_light, irradiance)) in self.lights.iter().enumerate() {
+            let seen = self.visibility(curves, hit, *to_light, random(i as u32));
+            let k = scatter(*to_light);
+            let rim = strength * sheen_evaluate(ltc, facing, eye, *to_light);
+            for c in 0..3 {
+                sum[c] += irradiance[c] * (base * seen * k[c] + rim);
+            }
+        }
+        let n = self.options.environment_samples;
+        for i in 0..n {
+            let u = [0, 1, 2, 3].map(|k| random(4 * i + k + 8));
+            let Some(sample) = fibre_sample(&far, u) else {
+                continue;
+            };
+            let to_light = world(hit.tangent, sample.direction);
+            let seen = self.visibility(curves, hit, to_light, random(4 * i + 12));
+            let light = (self.environment)(to_light);
+            for c in 0..3 {
+                sum[c] += base * seen * sample.weight[c] * light[c] / f64::from(n);
+            }
+        }
+        sum
+    }
+
+    /// F_P's point of a card point: where the shaft is at that height, card space.
+    pub fn shaft_x(&self, y: f64) -> f64 {
+        (self.curve.curve(y).0 - 0.5) * self.aspect
+    }
+}
+
+/// The card's normal in card space.
+pub(crate) const NORMAL: [f64; 3] = [0.0, 0.0, 1.0];
+
+/// A direction of the fibre's frame (see [`fibre_local`]) in card space.
+pub(crate) fn world(tangent: [f64; 3], local: [f64; 3]) -> [f64; 3] {
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    axes.map(|axis| {
+        let column = fibre_local(tangent, NORMAL, axis);
+        (0..3).map(|i| column[i] * local[i]).sum()
+    })
+}
+
+/// Does another fibre stand between a fibre and the light? `h` in -1..1: place on the fibre's width as the light sees it.
+pub(crate) fn shadowed(curves: &Curves, hit: &CurveHit, to_light: [f64; 3], h: f64) -> bool {
+    let ray = Ray {
+        origin: rim_point(hit, to_light, h),
+        direction: to_light,
+    };
+    curves.hit(&ray, 0.0, Some(skipped(hit.fibre))).is_some()
+}
+
+fn skipped(fibre: FibreId) -> FibreId {
+    match fibre.part {
+        Part::Rachis => FibreId {
+            part: Part::Rachis,
+            side: Side::Left,
+            row: 0,
+            place: 0,
+        },
+        _ => fibre,
+    }
+}

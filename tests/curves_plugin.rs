@@ -1,0 +1,48 @@
+//! The plugin's picture of a feather against the same feather with every fibre as a curve, in linear colour.
+
+mod curves_common;
+
+use bevy_plumage::{
+    curves::{CurveOptions, Curves},
+    prelude::FeatherSettings,
+};
+use curves_common::{Difference, Studio, View, distances, feather, lights, references};
+
+#[test]
+fn the_plugin_shows_what_explicit_curves_show() {
+    let size = 48;
+    let feather = feather("macaw_lesser");
+    let settings = FeatherSettings {
+        multiple_scattering: 0.0,
+        shelter: 0.0,
+        ..FeatherSettings::default()
+    };
+    let Some(mut studio) = Studio::new(feather.clone(), size, settings) else {
+        return;
+    };
+    let curves = Curves::build(&feather);
+    for (distance, place) in distances(&feather, size).into_iter().take(3) {
+        for (light, towards) in lights() {
+            let view = View {
+                light: towards,
+                ..place
+            };
+            let shown = studio.picture(&view);
+            let truth = references(&feather, &curves, &view, CurveOptions::default(), 5);
+            let d = Difference::of(&shown, &truth);
+            println!(
+                "{distance}, light {light}: RMSE {:.2} % of the mean, {:.2} % of the range, bias {:+.2} %",
+                100.0 * d.of_mean(),
+                100.0 * d.of_range(),
+                100.0 * d.bias
+            );
+            assert!(d.mean > 1e-3, "{distance}, {light}: nothing to see");
+            assert!(d.of_range() < 0.03, "{distance}, {light}: {d:?}");
+        }
+    }
+    let bytes = studio.bytes();
+    assert!(
+        bytes > 1000 && bytes < curves.bytes() as u64 / 10,
+        "{bytes}"
+    );
+}
