@@ -22,13 +22,21 @@ pub use pack::{CARD_VEC4S, PackedFeathers};
 pub use wear::{FeatherQuality, PlumageMemory};
 
 use crate::shaders::ShadersPlugin;
-use bevy::{pbr::MaterialPlugin, prelude::*};
+use bevy::{
+    pbr::{MaterialPlugin, PbrPlugin},
+    prelude::*,
+};
 
 /// Draws every bird that the groom has dressed.
 pub struct FeatherRenderPlugin;
 
 impl Plugin for FeatherRenderPlugin {
     fn build(&self, app: &mut App) {
+        if !app.is_plugin_added::<PbrPlugin>() {
+            // A server: birds are groomed, nothing is drawn.
+            info!("bevy_plumage: the app has no PbrPlugin, feathers are not drawn");
+            return;
+        }
         app.register_type::<FeatherQuality>()
             .register_type::<FeatherSettings>()
             .add_plugins((

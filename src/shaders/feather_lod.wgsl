@@ -68,7 +68,9 @@ fn classify_card(index: u32) -> u32 {
     // The largest stretch of the matrix bounds the sphere; the stretch along the rachis scales the feather.
     let stretch = max(length(world_from_local[0].xyz), max(length(world_from_local[1].xyz), length(world_from_local[2].xyz)));
     let radius = card.radius * stretch;
-    if (outside(center, radius)) {
+    // The tip may ride on other joints than the root, which alone is skinned here: cull by what the feather can reach from it.
+    let reach = 1.5 * (distance(card.center, card.root) + card.radius) * stretch;
+    if (outside((world_from_local * vec4(card.root, 1.0)).xyz, reach)) {
         return data::CARD_CULLED;
     }
     let feather_length = max(length((world_from_local * vec4(card.along, 0.0)).xyz) * card.length, 1e-9);
