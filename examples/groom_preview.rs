@@ -1,7 +1,8 @@
 //! Draws the cards of a groom flat, in their tints, without a GPU: a quick look at cover, lay and layers.
 //!
 //! `cargo run --example groom_preview -- parrot --time 0 --output preview.png`: from the left, the front, the back and the right
-//! front; skin that shows between the feathers is cyan.
+//! front; skin that shows between the feathers is cyan. With `--crossings` it measures in bind pose and over the idle clip how many
+//! pairs of neighbours poke through each other, and paints those of the last pose red.
 
 use bevy::{
     app::PluginsState,
@@ -21,7 +22,10 @@ use bevy::{
 };
 use bevy_plumage::{
     anatomy::AnatomyPlugin,
-    groom::{GroomPlugin, Plumage, PlumageCards, PlumageState},
+    groom::{
+        GroomPlugin, Plumage, PlumageCards, PlumageState,
+        crossing::{Overlaps, overlaps},
+    },
 };
 use clap::Parser;
 use std::time::{Duration, Instant};
@@ -49,6 +53,9 @@ struct Args {
     /// Colour by layer instead of tint.
     #[arg(long)]
     layers: bool,
+    /// Measure how deep lower feathers poke through higher ones.
+    #[arg(long)]
+    crossings: bool,
     /// Where the picture goes.
     #[arg(long, default_value = "groom_preview.png")]
     output: String,
@@ -106,8 +113,135 @@ fn main() {
     for _ in 0..4 {
         app.update();
     }
-    let triangles = collect(app.world_mut(), args.layers);
+    let depths = if args.crossings {
+        crossings(&mut app)
+    } else {
+        Vec::new()
+    };
+    let triangles = collect(app.world_mut(), args.layers, &depths);
     draw(&triangles, &args);
+}
+
+/// Depth that counts, metres.
+const DEEP: f32 = 3.0e-4;
+
+/// Prints the crossings in bind pose and at times of the idle clip; returns the greatest depth at each card in the last pose.
+fn crossings(app: &mut App) -> Vec<f32> {
+    let print = |name: &str, found: &Overlaps| {
+        println!(
+            "{name}: {} pairs, {:.2} % deeper than 0.3 mm; 1 % deeper than {:.2} mm",
+            found.list.len(),
+            100.0 * found.share(DEEP),
+            1.0e3 * found.quantile(0.01)
+        );
+    };
+    let mut last = measure(app.world_mut());
+    print("as posed", &last);
+    let (mut pairs, mut deep) = (0, 0);
+    for step in 0..10 {
+        let time = 0.5 * step as f32;
+        let mut players = app.world_mut().query::<&mut AnimationPlayer>();
+        let mut posed = false;
+        for mut player in players.iter_mut(app.world_mut()) {
+            for (_, clip) in player.playing_animations_mut() {
+                clip.seek_to(time);
+                posed = true;
+            }
+        }
+        if !posed {
+            println!("no clip plays: give --time 0");
+            break;
+        }
+        for _ in 0..3 {
+            app.update();
+        }
+        last = measure(app.world_mut());
+        print(&format!("{time:.1} s"), &last);
+        pairs += last.list.len();
+        deep += last.deeper(DEEP);
+    }
+    println!(
+        "idle: {:.2} % of {pairs} pairs deeper than 0.3 mm",
+        100.0 * deep as f32 / pairs.max(1) as f32
+    );
+    let count = last.list.iter().map(|pair| pair.upper.max(pair.lower));
+    let mut depths = vec![0.0_f32; count.max().map_or(0, |most| most as usize + 1)];
+    for pair in &last.list {
+        for card in [pair.upper, pair.lower] {
+            depths[card as usize] = depths[card as usize].max(pair.depth);
+        }
+    }
+    depths
+}
+
+/// The pairs of neighbours as they stand: those rooted within a length and a width of each other.
+fn measure(world: &mut World) -> Overlaps {
+    let mut query = world.query::<(Entity, &Mesh3d, Option<&SkinnedMesh>, &PlumageCards)>();
+    let Some((entity, mesh, skin, cards)) = query.iter(world).next() else {
+        return Overlaps::default();
+    };
+    let Some(mesh) = world.resource::<Assets<Mesh>>().get(&mesh.0) else {
+        return Overlaps::default();
+    };
+    let places = skinned(world, entity, mesh, skin);
+    let Some(VertexAttributeValues::Float32x2(uvs)) = mesh.attribute(Mesh::ATTRIBUTE_UV_0) else {
+        return Overlaps::default();
+    };
+    let mut found = overlaps(&cards.cards, &cards.geometry, &places, uvs);
+    found.list.retain(|pair| {
+        let [a, b] = [pair.upper, pair.lower].map(|i| &cards.cards[i as usize]);
+        let reach = a.length.max(b.length) + a.width.max(b.width);
+        a.root.distance(b.root) < reach && a.normal.dot(b.normal) > 0.0
+    });
+    found
+}
+
+/// Vertices where the skeleton has put them.
+fn skinned(world: &World, entity: Entity, mesh: &Mesh, skin: Option<&SkinnedMesh>) -> Vec<Vec3> {
+    let place = |e: Entity| {
+        world
+            .get::<GlobalTransform>(e)
+            .map_or(Mat4::IDENTITY, |t| t.to_matrix())
+    };
+    let Some(VertexAttributeValues::Float32x3(positions)) =
+        mesh.attribute(Mesh::ATTRIBUTE_POSITION)
+    else {
+        return Vec::new();
+    };
+    let poses = world.resource::<Assets<SkinnedMeshInverseBindposes>>();
+    let matrices: Vec<Mat4> = match skin {
+        Some(skin) => {
+            let bind = poses.get(&skin.inverse_bindposes).expect("loaded");
+            skin.joints
+                .iter()
+                .zip(bind.iter())
+                .map(|(joint, inverse)| place(*joint) * *inverse)
+                .collect()
+        }
+        None => vec![place(entity)],
+    };
+    match (
+        mesh.attribute(Mesh::ATTRIBUTE_JOINT_INDEX),
+        mesh.attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT),
+    ) {
+        (
+            Some(VertexAttributeValues::Uint16x4(joints)),
+            Some(VertexAttributeValues::Float32x4(weights)),
+        ) => positions
+            .iter()
+            .zip(joints.iter().zip(weights))
+            .map(|(p, (j, w))| {
+                let point = |k: usize| {
+                    matrices[usize::from(j[k])].transform_point3(Vec3::from_array(*p)) * w[k]
+                };
+                (0..4).map(point).sum()
+            })
+            .collect(),
+        _ => positions
+            .iter()
+            .map(|p| matrices[0].transform_point3(Vec3::from_array(*p)))
+            .collect(),
+    }
 }
 
 fn spawn(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
@@ -152,7 +286,7 @@ struct Triangle {
     tract: u32,
 }
 
-fn collect(world: &mut World, by_layer: bool) -> Vec<Triangle> {
+fn collect(world: &mut World, by_layer: bool, depths: &[f32]) -> Vec<Triangle> {
     let mut out = Vec::new();
     let mut query = world.query::<(Entity, &Mesh3d, Option<&SkinnedMesh>, Option<&PlumageCards>)>();
     let list: Vec<_> = query
@@ -160,54 +294,11 @@ fn collect(world: &mut World, by_layer: bool) -> Vec<Triangle> {
         .map(|(e, m, s, c)| (e, m.0.clone(), s.cloned(), c.cloned()))
         .collect();
     let meshes = world.resource::<Assets<Mesh>>();
-    let poses = world.resource::<Assets<SkinnedMeshInverseBindposes>>();
     for (entity, mesh, skin, cards) in list {
         let Some(mesh) = meshes.get(&mesh) else {
             continue;
         };
-        let place = |e: Entity| {
-            world
-                .get::<GlobalTransform>(e)
-                .map_or(Mat4::IDENTITY, |t| t.to_matrix())
-        };
-        let Some(VertexAttributeValues::Float32x3(positions)) =
-            mesh.attribute(Mesh::ATTRIBUTE_POSITION)
-        else {
-            continue;
-        };
-        let matrices: Vec<Mat4> = match &skin {
-            Some(skin) => {
-                let bind = poses.get(&skin.inverse_bindposes).expect("loaded");
-                skin.joints
-                    .iter()
-                    .zip(bind.iter())
-                    .map(|(joint, inverse)| place(*joint) * *inverse)
-                    .collect()
-            }
-            None => vec![place(entity)],
-        };
-        let places: Vec<Vec3> = match (
-            mesh.attribute(Mesh::ATTRIBUTE_JOINT_INDEX),
-            mesh.attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT),
-        ) {
-            (
-                Some(VertexAttributeValues::Uint16x4(joints)),
-                Some(VertexAttributeValues::Float32x4(weights)),
-            ) => positions
-                .iter()
-                .zip(joints.iter().zip(weights))
-                .map(|(p, (j, w))| {
-                    let point = |k: usize| {
-                        matrices[usize::from(j[k])].transform_point3(Vec3::from_array(*p)) * w[k]
-                    };
-                    (0..4).map(point).sum()
-                })
-                .collect(),
-            _ => positions
-                .iter()
-                .map(|p| matrices[0].transform_point3(Vec3::from_array(*p)))
-                .collect(),
-        };
+        let places = skinned(world, entity, mesh, skin.as_ref());
         let uvs = mesh.attribute(Mesh::ATTRIBUTE_UV_0).and_then(|v| {
             if let VertexAttributeValues::Float32x2(v) = v {
                 Some(v)
@@ -239,7 +330,12 @@ fn collect(world: &mut World, by_layer: bool) -> Vec<Triangle> {
                     );
                     (
                         Some([0, 1, 2].map(|k| Vec2::from_array(uvs[t[k]]))),
-                        if by_layer { layer } else { tint },
+                        match depths.get(ids[t[0]][0] as usize) {
+                            Some(&depth) if depth > DEEP => Vec3::new(0.9, 0.1, 0.05),
+                            Some(_) => Vec3::splat(0.5),
+                            None if by_layer => layer,
+                            None => tint,
+                        },
                     )
                 }
                 // The skin proper in cyan; bill, eyes and feet in grey.

@@ -9,6 +9,7 @@ pub mod sky;
 pub mod stats;
 
 use bevy::{
+    asset::UnapprovedPathMode,
     pbr::DefaultOpaqueRendererMethod,
     prelude::*,
     render::{
@@ -186,6 +187,12 @@ pub struct Args {
     /// The sun stands behind the subject.
     #[arg(long)]
     pub backlight: bool,
+    /// Mesh feathered by `your_own_mesh`, a glTF file.
+    #[arg(long)]
+    pub mesh: Option<PathBuf>,
+    /// Animation of that mesh that plays.
+    #[arg(long, default_value_t = 0)]
+    pub clip: usize,
     /// Camera distance relative to the shot's own.
     #[arg(long, default_value_t = 1.0)]
     pub distance: f32,
@@ -249,6 +256,8 @@ pub fn run(name: &'static str, scene: fn(&mut App)) {
     let plugins = DefaultPlugins
         .set(AssetPlugin {
             file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(),
+            // A mesh named on the command line may lie anywhere.
+            unapproved_path_mode: UnapprovedPathMode::Allow,
             ..default()
         })
         .set(RenderPlugin {

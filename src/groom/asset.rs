@@ -138,7 +138,8 @@ pub struct Region {
     pub curl: f32,
     /// How far the card leaves the skin's curve for its own straight line, 0 (drapes) to 1 (stiff).
     pub stiffness: f32,
-    /// Layer key: higher lies over lower. Within a region cranial feathers lie over caudal ones.
+    /// Layer key: of two regions that grow side by side the higher lies over the lower. Feathers rooted up the lay lie over those
+    /// that they point to, in a region and across its border (see [`super::order`]).
     pub layer: f32,
     /// Segments along and columns across of a card.
     pub segments: (u8, u8),

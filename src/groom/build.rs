@@ -9,6 +9,8 @@ use super::{
     layer,
     leaf::{Leaf, vary},
     mesh::build_mesh,
+    order::order,
+    press::press,
     rows::{FanJoint, RowContext},
     scatter::{Field, Follicle, scatter},
     seed::{Stream, name_hash, place_hash},
@@ -25,8 +27,6 @@ pub struct Bird {
     pub skin: SkinMesh,
     /// Names of the joints of its skin, in their order; empty if it is not skinned.
     pub joints: Vec<String>,
-    /// Place of each joint in bind pose, model space, metres; as many as names.
-    pub joint_places: Vec<Vec3>,
 }
 
 /// The cards of a bird.
@@ -65,11 +65,12 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
     } else {
         1.0
     };
+    groom.check_size(&groom.name, density)?;
     let mut warnings = Vec::new();
     let mut leaves = regions(bird, groom, seed, density, &mut warnings);
     let skinned = !bird.joints.is_empty() && !skin.weights.is_empty();
     let names = if skinned { &bird.joints[..] } else { &[] };
-    let crossings = layer::settle(&mut leaves);
+    let scattered = leaves.len();
     let (mut fans, mut missing) = (Vec::new(), Vec::new());
     for (number, row) in groom.rows.iter().enumerate() {
         let context = RowContext {
@@ -86,6 +87,9 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
             fans.extend(row_fans);
         }
     }
+    order(&mut leaves);
+    let crossings = layer::settle(&mut leaves[..scattered]);
+    press(&mut leaves, scattered);
     warnings.extend(
         missing
             .iter()
@@ -132,7 +136,6 @@ fn regions(
     let mut leaves = Vec::new();
     let room = layer_room(&groom.regions);
     let (counts, size) = region_counts(groom, density);
-    let joint_gap = joint_gap(&bird.joint_places);
     for (number, region) in groom.regions.iter().enumerate() {
         let mask = &masks[number];
         let triangles: Vec<u32> = (0..mask.len() as u32)
@@ -173,7 +176,7 @@ fn regions(
         for follicle in &follicles {
             let clearance = below[follicle.at.triangle as usize];
             leaves.push(feather(
-                skin, lay, groom, number, follicle, own, size, clearance, room, joint_gap,
+                skin, lay, groom, number, follicle, own, size, clearance, room,
             ));
         }
         placed.extend(follicles);
@@ -244,26 +247,6 @@ fn clearance(groom: &Groom, masks: &[Vec<bool>], number: usize, size: f32) -> Ve
     heights
 }
 
-/// Typical distance between neighbouring joints: a feather longer than this can lie over several of them.
-fn joint_gap(places: &[Vec3]) -> f32 {
-    let mut gaps: Vec<f32> = places
-        .iter()
-        .enumerate()
-        .filter_map(|(i, a)| {
-            let others = places
-                .iter()
-                .enumerate()
-                .filter(|(j, _)| *j != i)
-                .map(|(_, b)| a.distance(*b));
-            others
-                .filter(|distance| *distance > 1.0e-6)
-                .reduce(f32::min)
-        })
-        .collect();
-    gaps.sort_by(f32::total_cmp);
-    gaps.get(gaps.len() / 2).copied().unwrap_or(f32::INFINITY)
-}
-
 fn feather(
     skin: &SkinMesh,
     lay: &[Vec3],
@@ -274,7 +257,6 @@ fn feather(
     size: f32,
     clearance: f32,
     room: f32,
-    joint_gap: f32,
 ) -> Leaf {
     let region = &groom.regions[number];
     let phi = follicle.phi;
@@ -311,9 +293,10 @@ fn feather(
     };
     let shaft = drape(skin, lay, follicle.at, &shape);
     let root: Weights = skin.joint_weights(follicle.at);
-    let weights = if length > joint_gap && root.1[0] > 0.0 {
+    // Past its first quarter a feather goes where the skin below it goes: what lies over one place stays in order when it moves.
+    let weights = if root.1[0] > 0.0 {
         let last = (shaft.below.len() - 1).max(1) as f32;
-        let share = |x: f32| 1.0 - x * (0.9 - 0.2 * x);
+        let share = |x: f32| (1.0 - 4.0 * x).max(0.0);
         let at = |(i, below)| {
             let own = share(i as f32 / last);
             blend_weights([(root, own), (skin.joint_weights(below), 1.0 - own)])
@@ -347,5 +330,6 @@ fn feather(
         weights,
         camber: region.camber,
         columns: usize::from(region.segments.1),
+        raised: Vec::new(),
     }
 }

@@ -19,9 +19,24 @@ pub struct Leaf {
     pub camber: f32,
     /// Columns across.
     pub columns: usize,
+    /// Height of each vertex over the card's own shape, along its normal, metres, row by row; empty: none.
+    pub raised: Vec<f32>,
 }
 
 impl Leaf {
+    /// Joint weights at a point of the shaft.
+    pub fn weights_at(&self, i: usize) -> Weights {
+        let weights = self.weights.get(i).or(self.weights.last());
+        weights.copied().unwrap_or_default()
+    }
+
+    /// Place of a vertex: column `j` of those across at point `i` of the shaft.
+    pub fn vertex(&self, i: usize, j: usize) -> Vec3 {
+        let x = 2.0 * j as f32 / self.columns as f32 - 1.0;
+        let raised = self.raised.get(i * (self.columns + 1) + j);
+        self.place(i, x) + self.normal(i, x) * raised.copied().unwrap_or(0.0)
+    }
+
     /// Unit direction of the shaft at a point of it.
     pub fn along(&self, i: usize) -> Vec3 {
         let last = self.shaft.points.len() - 1;

@@ -42,20 +42,11 @@ pub fn build_mesh(leaves: &mut [Leaf], skinned: bool) -> (Mesh, Vec<CardGeometry
         let first = positions.len();
         let rows = leaf.shaft.points.len();
         let grid: Vec<Vec<Vec3>> = (0..rows)
-            .map(|i| {
-                (0..=leaf.columns)
-                    .map(|j| leaf.place(i, 2.0 * j as f32 / leaf.columns as f32 - 1.0))
-                    .collect()
-            })
+            .map(|i| (0..=leaf.columns).map(|j| leaf.vertex(i, j)).collect())
             .collect();
         for i in 0..rows {
             let along = leaf.along(i);
-            let (joint, weight) = leaf
-                .weights
-                .get(i)
-                .or(leaf.weights.last())
-                .copied()
-                .unwrap_or_default();
+            let (joint, weight) = leaf.weights_at(i);
             for j in 0..=leaf.columns {
                 let across = grid[i][(j + 1).min(leaf.columns)] - grid[i][j.saturating_sub(1)];
                 let down = grid[(i + 1).min(rows - 1)][j] - grid[i.saturating_sub(1)][j];

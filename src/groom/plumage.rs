@@ -9,14 +9,14 @@ use super::{
     loader::GroomLoader,
     skin::SkinMesh,
 };
-use crate::anatomy::Feather;
+use crate::anatomy::{Feather, presets};
 use bevy::{
     app::{App, Plugin, PostUpdate, Update},
     asset::{AssetApp, AssetEvent, AssetServer, Assets, Handle, LoadState},
     camera::visibility::NoFrustumCulling,
     ecs::{name::Name, prelude::*, system::SystemParam},
     log::{error, info, warn},
-    math::{Mat4, Vec3},
+    math::Mat4,
     mesh::{
         Mesh, Mesh3d,
         skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
@@ -38,7 +38,7 @@ use std::sync::Arc;
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(PlumageState)]
 pub struct Plumage {
-    /// Where feathers grow.
+    /// Where feathers grow; with the default handle, by what the mesh itself offers ([`Groom::fallback`]).
     pub groom: Handle<Groom>,
     /// Seed of everything random: the same seed gives the same bird.
     pub seed: u64,
@@ -164,7 +164,7 @@ impl Plugin for GroomPlugin {
             .register_type::<PlumageState>()
             .add_systems(
                 Update,
-                (drop_removed, request, start, finish)
+                (drop_removed, miss_lost, request, start, finish)
                     .chain()
                     .in_set(GroomSystems),
             )
@@ -183,6 +183,23 @@ fn drop_removed(
         }
         if let Ok(mut entity) = commands.get_entity(owner) {
             entity.try_remove::<(PlumageOutput, GroomJob, PlumageState)>();
+        }
+    }
+}
+
+/// Feathers anew whose cards went with the scene they hung on.
+fn miss_lost(
+    mut commands: Commands,
+    entities: Query<Entity>,
+    mut birds: Query<(Entity, &PlumageOutput, &mut PlumageState), Without<GroomJob>>,
+) {
+    for (owner, output, mut state) in &mut birds {
+        if !entities.contains(output.0) {
+            *state = PlumageState::default();
+            commands
+                .entity(owner)
+                .remove::<PlumageOutput>()
+                .insert(GroomJob::default());
         }
     }
 }
@@ -232,7 +249,6 @@ struct Input {
     meshes: Vec<Mesh>,
     maps: Vec<Vec<u16>>,
     joints: Vec<String>,
-    places: Vec<Vec3>,
 }
 
 impl Meshes<'_, '_> {
@@ -296,11 +312,6 @@ impl Meshes<'_, '_> {
                 .map_or_else(|_| String::new(), |name| name.as_str().to_owned())
         };
         let joints = target.joints.iter().map(name).collect();
-        let places = target
-            .inverse_bind
-            .iter()
-            .map(|bind| bind.inverse().w_axis.truncate())
-            .collect();
         let meshes = found.into_iter().map(|(_, mesh, _)| mesh.clone()).collect();
         Some((
             target,
@@ -308,7 +319,6 @@ impl Meshes<'_, '_> {
                 meshes,
                 maps,
                 joints,
-                places,
             },
         ))
     }
@@ -332,17 +342,20 @@ fn start(
         if job.task.is_some() {
             continue;
         }
-        let Some(groom) = grooms.get(&plumage.groom) else {
+        let groom = grooms.get(&plumage.groom);
+        if groom.is_none() && plumage.groom != Handle::default() {
             if let LoadState::Failed(cause) = server.load_state(plumage.groom.id()) {
                 fail(&mut state, &mut commands, owner, cause.to_string());
             }
             continue;
-        };
+        }
         let list = job
             .feathers
             .get_or_insert_with(|| load_feathers(&server, plumage, groom));
+        // A file that was damaged later leaves the feather as it was.
         let failed = list
             .iter()
+            .filter(|feather| feathers.get(*feather).is_none())
             .find_map(|feather| match server.load_state(feather.id()) {
                 LoadState::Failed(cause) => Some(cause.to_string()),
                 _ => None,
@@ -357,7 +370,7 @@ fn start(
         let Some((target, input)) = meshes.find(owner) else {
             continue;
         };
-        let (groom, seed, density) = (groom.clone(), plumage.seed, plumage.density);
+        let (groom, seed, density) = (groom.cloned(), plumage.seed, plumage.density);
         job.target = Some(target);
         let pool = AsyncComputeTaskPool::get_or_init(TaskPool::new);
         job.task = Some(pool.spawn(async move {
@@ -367,8 +380,8 @@ fn start(
                 let bird = Bird {
                     skin,
                     joints: input.joints,
-                    joint_places: input.places,
                 };
+                let groom = groom.unwrap_or_else(|| Groom::fallback(&bird.skin, &bird.joints));
                 groom_bird(&bird, &groom, seed, density)
             });
             (coat, begun.elapsed().as_secs_f32() * 1.0e3)
@@ -376,8 +389,17 @@ fn start(
     }
 }
 
-/// Feather paths are relative to the groom's file, or to the asset root for a groom made in code.
-fn load_feathers(server: &AssetServer, plumage: &Plumage, groom: &Groom) -> Vec<Handle<Feather>> {
+/// Feather paths are relative to the groom's file, or to the asset root for a groom made in code. Without a groom: the contour
+/// feather that comes with the crate, no file needed.
+fn load_feathers(
+    server: &AssetServer,
+    plumage: &Plumage,
+    groom: Option<&Groom>,
+) -> Vec<Handle<Feather>> {
+    let Some(groom) = groom else {
+        let preset = presets::by_name("contour").into_iter();
+        return preset.map(|feather| server.add(feather)).collect();
+    };
     let base = server.get_path(plumage.groom.id());
     let resolve = |path: &String| match &base {
         Some(base) => base

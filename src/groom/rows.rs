@@ -294,6 +294,7 @@ impl RowContext<'_> {
             weights: vec![weights],
             camber: row.camber,
             columns,
+            raised: Vec::new(),
         };
         (
             leaf,

@@ -6,6 +6,9 @@ use super::error::GroomError;
 /// Most feathers that one region may hold at density 1.
 const MAX_COUNT: u32 = 200_000;
 
+/// Most vertices of all cards together: 4 million take about 300 MB while they are made.
+const MAX_VERTICES: f64 = 4.0e6;
+
 /// Collects the path of a field while the asset is walked, and turns the first bad value into an error.
 struct Check<'a> {
     file: &'a str,
@@ -287,6 +290,30 @@ impl Groom {
         }
         for (i, row) in self.rows.iter().enumerate() {
             check.row(&format!("rows[{i}]"), row, self.feathers.len())?;
+        }
+        self.check_size(file, 1.0)
+    }
+
+    /// Whether the cards fit into memory at a density.
+    pub(super) fn check_size(&self, file: &str, density: f32) -> Result<(), GroomError> {
+        let grid = |(along, across): (u8, u8)| (f64::from(along) + 1.0) * (f64::from(across) + 1.0);
+        let scattered: f64 = self
+            .regions
+            .iter()
+            .map(|region| f64::from(region.count) * grid(region.segments))
+            .sum();
+        let rows: f64 = self
+            .rows
+            .iter()
+            .map(|row| 2.0 * row.lengths.len() as f64 * grid(row.segments))
+            .sum();
+        let found = scattered * f64::from(density) + rows;
+        if found > MAX_VERTICES {
+            return Check { file }.fail(
+                "regions and rows".into(),
+                format!("{found} vertices (counts times segments times density {density})"),
+                format!("0..={MAX_VERTICES}"),
+            );
         }
         Ok(())
     }

@@ -36,13 +36,21 @@ pub use wind::{
 };
 
 use crate::shaders::ShadersPlugin;
-use bevy::{pbr::MaterialPlugin, prelude::*};
+use bevy::{
+    pbr::{MaterialPlugin, PbrPlugin},
+    prelude::*,
+};
 
 /// Draws every bird that the groom has dressed.
 pub struct FeatherRenderPlugin;
 
 impl Plugin for FeatherRenderPlugin {
     fn build(&self, app: &mut App) {
+        if !app.is_plugin_added::<PbrPlugin>() {
+            // A server: birds are groomed, nothing is drawn.
+            info!("bevy_plumage: the app has no PbrPlugin, feathers are not drawn");
+            return;
+        }
         app.register_type::<FeatherQuality>()
             .register_type::<FeatherSettings>()
             .register_type::<Wind>()

@@ -70,8 +70,10 @@ fn classify_card(index: u32) -> u32 {
     // The largest stretch of the matrix bounds the sphere; the stretch along the rachis scales the feather.
     let stretch = max(length(world_from_local[0].xyz), max(length(world_from_local[1].xyz), length(world_from_local[2].xyz)));
     let radius = card.radius * stretch;
-    // Wind and ruffle carry a tip at most this far off.
-    if (outside(center, radius + BENDING * card.length * stretch)) {
+    // The tip may ride on other joints than the root, which alone is skinned here: cull by what the feather can reach from it.
+    // Wind and ruffle carry it a little farther.
+    let reach = (1.5 * (distance(card.center, card.root) + card.radius) + BENDING * card.length) * stretch;
+    if (outside((world_from_local * vec4(card.root, 1.0)).xyz, reach)) {
         return data::CARD_CULLED;
     }
     let feather_length = max(length((world_from_local * vec4(card.along, 0.0)).xyz) * card.length, 1e-9);

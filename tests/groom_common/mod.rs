@@ -89,7 +89,6 @@ pub fn bird(tracts: bool) -> Bird {
     Bird {
         skin: SkinMesh::from_meshes(&[&mesh], &[]).expect("a sound mesh"),
         joints: JOINTS.map(String::from).to_vec(),
-        joint_places: joint_places(),
     }
 }
 
