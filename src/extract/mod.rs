@@ -1,0 +1,2 @@
+//! One photograph becomes a feather.
+pub mod photograph;
