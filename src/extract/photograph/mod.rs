@@ -25,9 +25,6 @@ use ground::Ground;
 use image::{GrayImage, ImageFormat, Luma, RgbImage};
 use sheet::Sheet;
 
-/// Height of a lying feather over the table, in feather lengths: what the length of its shadow comes from.
-const LIFT: f32 = 0.012;
-
 /// A synthetic photograph and what it shows.
 pub struct Photograph {
     /// The picture, as its file is opened (JPEG artefacts included).
@@ -116,7 +113,7 @@ fn compose(planes: &mut [Vec<f32>; 3], alpha: &[f32], setting: &Setting, sheet: 
     let size = setting.size.map(|side| side as usize);
     let [width, height] = size;
     let light = &setting.light;
-    let lift = LIFT * sheet.pose.scale as f32;
+    let lift = light.lift.clamp(0.0, 0.05) * sheet.pose.scale as f32;
     let away = [-light.azimuth.sin(), light.azimuth.cos()];
     let length = lift / light.elevation.clamp(0.2, 1.5).tan();
     let cast = shadow(

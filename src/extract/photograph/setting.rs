@@ -43,6 +43,8 @@ pub struct Light {
     pub elevation: f32,
     /// Share of the light that comes from everywhere, 0..1.
     pub ambient: f32,
+    /// Height of the feather over the table in feather lengths, 0..0.05: how far its shadow falls.
+    pub lift: f32,
     /// Half shadow: standard deviation over the height of what casts it, 0.05..1.
     pub softness: f32,
     /// Light lost in the corners of the frame, 0..0.5.
@@ -100,7 +102,8 @@ impl Default for Setting {
             light: Light {
                 azimuth: -0.8,
                 elevation: 0.9,
-                ambient: 0.5,
+                ambient: 0.45,
+                lift: 0.016,
                 softness: 0.35,
                 vignette: 0.06,
                 falloff: 0.05,
@@ -185,7 +188,8 @@ impl Setting {
             light: Light {
                 azimuth: r.between(-3.14, 3.14),
                 elevation: r.between(0.6, 1.3),
-                ambient: r.between(0.3, 0.75),
+                ambient: r.between(0.25, 0.75),
+                lift: r.scale(0.004, 0.03),
                 softness: r.between(0.12, 0.6),
                 vignette: r.between(0.0, 0.15),
                 falloff: r.between(0.0, 0.12),
@@ -195,7 +199,7 @@ impl Setting {
             position: [r.between(-0.9, 0.9).into(), r.between(-0.9, 0.9).into()],
             tilt: [r.between(-0.05, 0.05).into(), r.between(-0.05, 0.05).into()],
             back: feather.albedo.back.is_some() && r.uniform() < 0.35,
-            tint: [r.between(0.2, 0.9), r.between(0.15, 0.8), r.between(0.1, 0.8)],
+            tint: plumage(&mut r),
             shaft: r.scale(0.5, 2.4),
             blur: r.between(0.2, 1.1),
             noise: r.scale(0.003, 0.03),
@@ -213,7 +217,7 @@ impl Setting {
                 return setting;
             }
             // A brown bird on brown wood: another tint, where the pattern takes one.
-            setting.tint = [r.between(0.2, 0.9), r.between(0.15, 0.8), r.between(0.1, 0.8)];
+            setting.tint = plumage(&mut r);
         }
         setting
     }
@@ -270,6 +274,28 @@ fn ground(kind: Background, r: &mut Stream) -> [f32; 3] {
             let value = r.between(0.3, 0.8);
             [value, value * r.between(0.68, 0.9), value * r.between(0.4, 0.75)]
         }
-        Background::Colour => [r.between(0.1, 0.9), r.between(0.1, 0.9), r.between(0.1, 0.9)],
+        Background::Colour => {
+            let value = r.between(0.2, 0.8);
+            std::array::from_fn(|_| (value + r.between(-0.22, 0.22)).clamp(0.05, 0.95))
+        }
     }
+}
+
+/// A colour that feathers have: melanins from buff to black for most, else a carotenoid or structural colour.
+fn plumage(r: &mut Stream) -> [f32; 3] {
+    const BRIGHT: [[f32; 3]; 6] = [
+        [0.78, 0.12, 0.10],
+        [0.88, 0.62, 0.10],
+        [0.15, 0.32, 0.66],
+        [0.25, 0.48, 0.20],
+        [0.85, 0.55, 0.52],
+        [0.10, 0.40, 0.45],
+    ];
+    if r.uniform() < 0.6 {
+        let value = r.between(0.14, 0.92);
+        let warm = r.between(0.0, 0.3) * (1.0 - value);
+        return [value, value * (1.0 - warm), value * (1.0 - 1.9 * warm)];
+    }
+    let colour = BRIGHT[(r.uniform() * 6.0) as usize % 6];
+    colour.map(|channel| (channel * r.between(0.8, 1.15)).clamp(0.02, 0.95))
 }

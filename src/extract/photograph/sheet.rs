@@ -223,7 +223,9 @@ impl Sheet {
         if hooked < 0.999 {
             let wave = self.perlin.get([x * 24.0, y * 11.0, 7.7])
                 + 0.4 * self.perlin.get([x * 70.0, y * 40.0, 9.2]);
-            stray += 0.016 * (1.0 - hooked) * wave;
+            // Neighbours part and meet.
+            let own = self.perlin.get([x * 26.0, y / pitch * 0.9, 5.3]);
+            stray += (1.0 - hooked) * (0.012 * wave + 0.5 * pitch * own);
         }
         stray
     }
@@ -248,7 +250,8 @@ impl Sheet {
         let (reach, slope) = self.reach(right, root);
         let width = 2.0 * deviation * vane.count;
         let ragged = difference(&vane.ragged, root * vane.count, width, [0.5, 0.3, 0.2]);
-        let reach = reach * (1.0 + ragged * (0.012 + 0.05 * vane.fringe + 0.10 * (1.0 - hooked)));
+        let loose = 1.0 - map::hooked(0.0, y, 1.0, 0.0, vane.downy);
+        let reach = reach * (1.0 + ragged * (0.006 + 0.04 * vane.fringe + 0.08 * loose));
         let inside = map::contour_coverage(mean, foot.cov, reach, slope, vane.angle)
             * map::vane_start_coverage(mean, foot.cov, f64::from(self.shape.start), vane.angle);
         let radius = self.shaft_radius(y);
