@@ -33,6 +33,7 @@ gallery: setup
 
 charts:
 	$(CARGO) run --example scattering_charts
+	$(CARGO) run --config 'profile.dev.opt-level=3' --features extract --example extract_charts
 
 bench: setup
 	$(CARGO) bench --profile dev --config 'profile.dev.opt-level=3'

@@ -27,4 +27,10 @@ show single_feather feather --size 480x640
 show single_feather feather_back --size 480x640 --camera back
 show single_feather feather_closeup --size 640x480 --camera closeup
 show single_feather feather_macro --size 640x480 --camera macro
+photo=$(mktemp -d)/photograph.jpg
+${CARGO:-cargo} run -q --features extract --example extract_charts -- --photograph eagle_secondary "$photo"
+echo "gallery: extract_pair"
+${CARGO:-cargo} run -q --features extract --example single_feather -- --headless --frames 1 --size 800x640 --photo "$photo" \
+    --output "$out/extract_pair.png" --stats "$out/stats/extract_pair.json" >/dev/null
+rm -r "$(dirname "$photo")"
 echo "gallery: all pictures are in $out/"

@@ -109,6 +109,9 @@ pub struct Args {
     /// Feather shown by `single_feather`.
     #[arg(long, default_value = "macaw_primary")]
     pub feather: String,
+    /// Photograph that `single_feather` makes a feather of and shows beside it (feature `extract`).
+    #[arg(long)]
+    pub photo: Option<PathBuf>,
     /// Camera distance relative to the shot's own.
     #[arg(long, default_value_t = 1.0)]
     pub distance: f32,
