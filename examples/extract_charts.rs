@@ -203,7 +203,10 @@ fn describe(case: &Case) {
 /// Share of photographs up to each error over its target.
 fn histogram(folder: &Path, cases: &[Case]) -> Result<()> {
     let errors = |measure: usize| -> Vec<f64> {
-        let mut errors: Vec<f64> = cases.iter().flat_map(|case| over_target(case, measure)).collect();
+        let mut errors: Vec<f64> = cases
+            .iter()
+            .flat_map(|case| over_target(case, measure))
+            .collect();
         errors.sort_by(f64::total_cmp);
         errors
     };
@@ -221,7 +224,10 @@ fn histogram(folder: &Path, cases: &[Case]) -> Result<()> {
         .collect();
     draw(
         &folder.join("extract_errors.svg"),
-        &format!("{} synthetic photographs: share up to an error", cases.len()),
+        &format!(
+            "{} synthetic photographs: share up to an error",
+            cases.len()
+        ),
         ["log10 of the error over its target (0 = target)", "share"],
         (-1.7, 1.3),
         (0.0, 1.0),
@@ -294,7 +300,8 @@ fn sweeps(folder: &Path) -> Result<()> {
             },
         },
     ];
-    let mut text = String::from("sweep,value,dice,asset dice,rachis,albedo,angle,edges,seconds,refused\n");
+    let mut text =
+        String::from("sweep,value,dice,asset dice,rachis,albedo,angle,edges,seconds,refused\n");
     for sweep in &sweeps {
         let mut curves: Vec<Curve> = TARGETS
             .iter()
@@ -332,7 +339,11 @@ fn sweeps(folder: &Path) -> Result<()> {
                 }
             }
         }
-        let xs = || curves.iter().flat_map(|(_, points)| points.iter().map(|p| p.0));
+        let xs = || {
+            curves
+                .iter()
+                .flat_map(|(_, points)| points.iter().map(|p| p.0))
+        };
         let (low, high) = (
             xs().fold(f64::INFINITY, f64::min),
             xs().fold(f64::NEG_INFINITY, f64::max),
@@ -469,9 +480,18 @@ fn extract_alone(file: &Path) -> Result<()> {
     let peak = status
         .lines()
         .find_map(|line| line.strip_prefix("VmHWM:"))
-        .and_then(|rest| rest.trim().trim_end_matches(" kB").trim().parse::<f64>().ok());
+        .and_then(|rest| {
+            rest.trim()
+                .trim_end_matches(" kB")
+                .trim()
+                .parse::<f64>()
+                .ok()
+        });
     if let Some(kilobytes) = peak {
-        println!("peak memory of the process: {:.0} MB", kilobytes * 1024.0 / 1e6);
+        println!(
+            "peak memory of the process: {:.0} MB",
+            kilobytes * 1024.0 / 1e6
+        );
     }
     Ok(())
 }
@@ -501,7 +521,10 @@ fn draw(
     for (i, (name, points)) in curves.iter().enumerate() {
         let colour = COLOURS[i % COLOURS.len()];
         chart
-            .draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(2)))?
+            .draw_series(LineSeries::new(
+                points.iter().copied(),
+                colour.stroke_width(2),
+            ))?
             .label(name)
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
     }

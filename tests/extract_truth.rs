@@ -106,9 +106,7 @@ fn contains(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
 #[test]
 fn measures_see_displacements() {
     let truth = take("eagle_secondary", &small()).truth;
-    let shifted = GrayImage::from_fn(240, 360, |x, y| {
-        *truth.mask.get_pixel((x + 3).min(239), y)
-    });
+    let shifted = GrayImage::from_fn(240, 360, |x, y| *truth.mask.get_pixel((x + 3).min(239), y));
     assert_eq!(dice(&truth.mask, &truth.mask), 1.0);
     let area = truth.mask.iter().filter(|&&v| v > 0).count() as f64;
     let rows = (0..360)
@@ -117,7 +115,10 @@ fn measures_see_displacements() {
     // Each row loses three pixels, and a little more at its splits.
     let expected = 1.0 - 3.0 * rows / area;
     let found = dice(&truth.mask, &shifted);
-    assert!((found - expected).abs() < 0.02, "{found} against {expected}");
+    assert!(
+        (found - expected).abs() < 0.02,
+        "{found} against {expected}"
+    );
 
     let moved: Vec<_> = truth.rachis.iter().map(|p| [p[0] + 3.6, p[1]]).collect();
     let off = line_distance(&truth.rachis, &moved, 360.0);
@@ -166,10 +167,22 @@ fn extraction_meets_its_bounds() {
     }
     assert!(report.dice.mean >= 0.985, "Dice {:.4}", report.dice.mean);
     assert!(report.dice.low >= 0.96, "Dice {:.4}", report.dice.low);
-    assert!(report.rachis.mean <= 0.003, "rachis {:.4}", report.rachis.mean);
-    assert!(report.rachis.high <= 0.008, "rachis {:.4}", report.rachis.high);
+    assert!(
+        report.rachis.mean <= 0.003,
+        "rachis {:.4}",
+        report.rachis.mean
+    );
+    assert!(
+        report.rachis.high <= 0.008,
+        "rachis {:.4}",
+        report.rachis.high
+    );
     assert!(report.angle.mean <= 4.0, "angle {:.2}", report.angle.mean);
-    assert!(report.albedo.mean <= 0.03, "albedo {:.4}", report.albedo.mean);
+    assert!(
+        report.albedo.mean <= 0.03,
+        "albedo {:.4}",
+        report.albedo.mean
+    );
     assert!(report.edges.mean <= 2.0, "edges {:.2}", report.edges.mean);
     assert_eq!(report.refused, 0);
 }

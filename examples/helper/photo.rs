@@ -8,12 +8,7 @@ use super::{
     },
     spawn_cloth,
 };
-use bevy::{
-    asset::RenderAssetUsages,
-    image::Image,
-    light::NotShadowCaster,
-    prelude::*,
-};
+use bevy::{asset::RenderAssetUsages, image::Image, light::NotShadowCaster, prelude::*};
 use bevy_plumage::{
     extract::{ExtractSettings, Extraction, extract, load_photograph},
     prelude::*,

@@ -1,6 +1,7 @@
 //! One synthetic photograph, extracted and judged.
 #![allow(dead_code, reason = "the test and the charts use their own parts")]
 
+use bevy::math::Vec2;
 use bevy_plumage::{
     anatomy::{Feather, Side, map, presets},
     extract::{
@@ -11,7 +12,6 @@ use bevy_plumage::{
         },
     },
 };
-use bevy::math::Vec2;
 use image::{DynamicImage, GrayImage, Luma};
 use std::time::Instant;
 
@@ -82,7 +82,11 @@ pub fn settings(feather: &Feather, setting: &Setting) -> ExtractSettings {
     ExtractSettings {
         name: feather.name.clone(),
         length_mm: Some(feather.length_mm),
-        face: if setting.back { Face::Back } else { Face::Front },
+        face: if setting.back {
+            Face::Back
+        } else {
+            Face::Front
+        },
         ..ExtractSettings::default()
     }
 }
@@ -110,7 +114,9 @@ pub fn run(index: u64, feather: &Feather, setting: &Setting, settings: &ExtractS
 }
 
 fn points(line: &[Vec2]) -> Vec<[f64; 2]> {
-    line.iter().map(|p| [f64::from(p.x), f64::from(p.y)]).collect()
+    line.iter()
+        .map(|p| [f64::from(p.x), f64::from(p.y)])
+        .collect()
 }
 
 /// Compares an extraction with the truth.
@@ -180,8 +186,14 @@ pub fn asset_mask(found: &Extraction, (width, height): (u32, u32)) -> GrayImage 
     let feather_map = feather.map();
     GrayImage::from_fn(width, height, |x, y| {
         let uv = found.frame.uv(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
-        let point = feather_map.canonical([f64::from(uv.x), f64::from(uv.y)]).map(|x| x as f32);
-        let side = if point[0] < 0.0 { Side::Left } else { Side::Right };
+        let point = feather_map
+            .canonical([f64::from(uv.x), f64::from(uv.y)])
+            .map(|x| x as f32);
+        let side = if point[0] < 0.0 {
+            Side::Left
+        } else {
+            Side::Right
+        };
         let root = map::barb_root(point, feather.vane(side).alpha_b());
         let on_vane = point[0].abs() < feather.contour.reach(side, root);
         let on_shaft = (0.0..=1.0).contains(&point[1]) && point[0].abs() < feather.r_r(point[1]);
@@ -221,9 +233,11 @@ impl Report {
         let good = || cases.iter().filter_map(|case| case.scores.as_ref().ok());
         Self {
             dice: Summary::of(cases.iter().map(Case::dice)),
-            asset: Summary::of(cases.iter().map(|case| {
-                case.scores.as_ref().map_or(0.0, |scores| scores.asset)
-            })),
+            asset: Summary::of(
+                cases
+                    .iter()
+                    .map(|case| case.scores.as_ref().map_or(0.0, |scores| scores.asset)),
+            ),
             rachis: Summary::of(cases.iter().map(Case::rachis)),
             angle: Summary::of(good().flat_map(|s| s.angle).flatten()),
             fine_angle: Summary::of(good().flat_map(|s| s.fine_angle).flatten()),
@@ -256,6 +270,9 @@ impl Report {
                 s.count, s.mean, s.low, s.median, s.high
             );
         }
-        println!("refused: {}; tip and base exchanged: {}", self.refused, self.turned);
+        println!(
+            "refused: {}; tip and base exchanged: {}",
+            self.refused, self.turned
+        );
     }
 }

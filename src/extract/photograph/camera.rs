@@ -5,7 +5,14 @@ use image::{ImageFormat, Rgb, RgbImage, codecs::jpeg::JpegEncoder};
 use std::io::Cursor;
 
 /// A running mean over `2 radius + 1` values of every `stride`-th element from `start`; the ends repeat.
-fn box_line(values: &mut [f32], line: &mut Vec<f32>, start: usize, stride: usize, count: usize, radius: usize) {
+fn box_line(
+    values: &mut [f32],
+    line: &mut Vec<f32>,
+    start: usize,
+    stride: usize,
+    count: usize,
+    radius: usize,
+) {
     line.clear();
     line.extend((0..count).map(|i| values[start + i * stride]));
     let at = |i: isize| f64::from(line[i.clamp(0, count as isize - 1) as usize]);

@@ -57,10 +57,7 @@ fn to_line(point: [f64; 2], line: &[[f64; 2]]) -> f64 {
             let to = [point[0] - pair[0][0], point[1] - pair[0][1]];
             let length = (edge[0] * edge[0] + edge[1] * edge[1]).max(1e-12);
             let t = ((edge[0] * to[0] + edge[1] * to[1]) / length).clamp(0.0, 1.0);
-            distance(
-                point,
-                [pair[0][0] + t * edge[0], pair[0][1] + t * edge[1]],
-            )
+            distance(point, [pair[0][0] + t * edge[0], pair[0][1] + t * edge[1]])
         })
         .fold(f64::INFINITY, f64::min)
 }
@@ -72,7 +69,11 @@ pub fn line_distance(a: &[[f64; 2]], b: &[[f64; 2]], height: f64) -> f64 {
         return 1.0;
     }
     let mean = |points: &[[f64; 2]], line: &[[f64; 2]]| {
-        points.iter().map(|&point| to_line(point, line)).sum::<f64>() / points.len() as f64
+        points
+            .iter()
+            .map(|&point| to_line(point, line))
+            .sum::<f64>()
+            / points.len() as f64
     };
     0.5 * (mean(&from_a, &from_b) + mean(&from_b, &from_a)) / height.max(1.0)
 }

@@ -62,7 +62,9 @@ impl Photograph {
         drop(alpha);
         let image = camera::develop(&mut planes, &setting);
         drop(planes);
-        let jpeg = setting.jpeg.map(|quality| camera::file(&image, Some(quality)));
+        let jpeg = setting
+            .jpeg
+            .map(|quality| camera::file(&image, Some(quality)));
         let opened = jpeg
             .as_ref()
             .and_then(|bytes| image::load_from_memory_with_format(bytes, ImageFormat::Jpeg).ok());

@@ -111,7 +111,10 @@ impl Pose {
         let along = |step: [f64; 2]| {
             let low = self.uv([pixel[0] - step[0], pixel[1] - step[1]]);
             let high = self.uv([pixel[0] + step[0], pixel[1] + step[1]]);
-            [(high[0] - low[0]) / (2.0 * h), (high[1] - low[1]) / (2.0 * h)]
+            [
+                (high[0] - low[0]) / (2.0 * h),
+                (high[1] - low[1]) / (2.0 * h),
+            ]
         };
         [along([h, 0.0]), along([0.0, h])]
     }

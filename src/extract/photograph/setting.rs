@@ -171,11 +171,7 @@ impl Setting {
         let any = r.uniform() < 0.35;
         let turned = r.uniform() < 0.25;
         let quarter = f64::from(u8::from(turned)) * std::f64::consts::FRAC_PI_2;
-        let size = if turned {
-            [long, short]
-        } else {
-            [short, long]
-        };
+        let size = if turned { [long, short] } else { [short, long] };
         let rotation = if any {
             f64::from(r.between(-3.14, 3.14))
         } else {
@@ -209,12 +205,13 @@ impl Setting {
             seed,
             ..Self::default()
         };
-        for _ in 0..64 {
-            setting.background =
-                Background::ALL[(r.uniform() * Background::ALL.len() as f32) as usize % 6];
+        // Any kind of background; another kind only where this feather does not stand out from it.
+        let first = (r.uniform() * 6.0) as usize;
+        for attempt in 0..60 {
+            setting.background = Background::ALL[(first + attempt / 10) % 6];
             setting.ground = ground(setting.background, &mut r);
             if setting.contrast(feather) >= LEAST_CONTRAST {
-                return setting;
+                break;
             }
             // A brown bird on brown wood: another tint, where the pattern takes one.
             setting.tint = plumage(&mut r);
@@ -268,11 +265,19 @@ fn ground(kind: Background, r: &mut Stream) -> [f32; 3] {
         Background::Grey => [r.between(0.42, 0.52); 3],
         Background::Gradient => {
             let value = r.between(0.1, 0.85);
-            [value, value + r.between(-0.05, 0.05), value + r.between(-0.08, 0.08)]
+            [
+                value,
+                value + r.between(-0.05, 0.05),
+                value + r.between(-0.08, 0.08),
+            ]
         }
         Background::Wood => {
             let value = r.between(0.3, 0.8);
-            [value, value * r.between(0.68, 0.9), value * r.between(0.4, 0.75)]
+            [
+                value,
+                value * r.between(0.68, 0.9),
+                value * r.between(0.4, 0.75),
+            ]
         }
         Background::Colour => {
             let value = r.between(0.2, 0.8);

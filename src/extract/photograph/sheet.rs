@@ -218,11 +218,13 @@ impl Sheet {
     /// How far barbs lie off their place at a point, feather lengths: a little everywhere, much where nothing hooks.
     fn stray(&self, point: [f64; 2], hooked: f64, pitch: f64) -> f64 {
         let [x, y] = point;
-        let near = self.perlin.get([x / (9.0 * pitch), y / (14.0 * pitch), 3.1]);
+        let near = self
+            .perlin
+            .get([x / (9.0 * pitch), y / (14.0 * pitch), 3.1]);
         let mut stray = 0.12 * pitch * near;
         if hooked < 0.999 {
             let wave = self.perlin.get([x * 24.0, y * 11.0, 7.7])
-                + 0.4 * self.perlin.get([x * 70.0, y * 40.0, 9.2]);
+                + 0.25 * self.perlin.get([x * 60.0, y * 40.0, 9.2]);
             // Neighbours part and meet.
             let own = self.perlin.get([x * 26.0, y / pitch * 0.9, 5.3]);
             stray += (1.0 - hooked) * (0.012 * wave + 0.5 * pitch * own);
@@ -244,7 +246,11 @@ impl Sheet {
         let deviation = foot.cov[2].max(1e-14).sqrt();
         let (plain, _) = self.reach(right, map::barb_root([x, y], vane.angle));
         let hooked = map::hooked(x.abs(), y, plain, vane.fringe, vane.downy);
-        let height = y + self.stray([x, y], map::hooked(0.0, y, 1.0, 0.0, vane.downy), 1.0 / vane.count);
+        let height = y + self.stray(
+            [x, y],
+            map::hooked(0.0, y, 1.0, 0.0, vane.downy),
+            1.0 / vane.count,
+        );
         let mean = [x, height];
         let root = map::barb_root(mean, vane.angle);
         let (reach, slope) = self.reach(right, root);
@@ -280,8 +286,9 @@ impl Sheet {
 
     /// Share of the pixel within the outline or on the shaft, 0..1: what the truth's mask is made of.
     pub fn outline(&self, pixel: [f64; 2]) -> f64 {
-        self.place(pixel)
-            .map_or(0.0, |place| place.shaft + (1.0 - place.shaft) * place.inside)
+        self.place(pixel).map_or(0.0, |place| {
+            place.shaft + (1.0 - place.shaft) * place.inside
+        })
     }
 
     /// Radius of the shaft at height `v`, pixels.

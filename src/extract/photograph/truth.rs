@@ -96,7 +96,9 @@ impl Truth {
             length_mm,
             pose,
             sheet,
-            light: setting.white_balance.map(|factor| factor * setting.exposure),
+            light: setting
+                .white_balance
+                .map(|factor| factor * setting.exposure),
             barred: pattern.bars.is_some() || pattern.rim.is_some() || pattern.stops.len() > 1,
         }
     }
