@@ -7,12 +7,26 @@
 //! Pixels. Every point is in pixels of the photograph as given: `(0, 0)` is the outer corner of its top left pixel, whose
 //! centre is `(0.5, 0.5)`.
 
+mod assemble;
+mod background;
+mod barbs;
+mod colour;
 mod confidence;
 mod error;
 mod load;
+mod outline;
+mod overlay;
+mod paint;
 pub mod photograph;
+mod prepare;
+mod raster;
 mod result;
+mod run;
+mod score;
+mod segment;
 mod settings;
+mod shaft;
+mod silhouette;
 
 pub use confidence::{Confidence, Doubt, Trust};
 pub use error::ExtractError;
@@ -20,21 +34,5 @@ pub use load::{
     MAX_FILE_BYTES, MAX_PIXELS, MAX_SIDE, MIN_SIDE, decode_photograph, load_photograph,
 };
 pub use result::{BarbMeasure, CardFrame, Extraction, ScoreMap};
+pub use run::extract;
 pub use settings::{AlbedoFilter, ExtractSettings, Face, Progress, Stage};
-
-use image::DynamicImage;
-
-/// Extracts the one feather of a photograph. `progress` hears each stage as it begins. Deterministic; bounded in time and
-/// memory whatever the picture shows.
-pub fn extract(
-    photograph: &DynamicImage,
-    settings: &ExtractSettings,
-    progress: &mut dyn FnMut(Progress),
-) -> Result<Extraction, ExtractError> {
-    load::check_size(photograph.width(), photograph.height())?;
-    settings.check()?;
-    progress(Progress::begin(Stage::Prepare));
-    Err(ExtractError::NoFeather {
-        reason: "not written yet".to_owned(),
-    })
-}

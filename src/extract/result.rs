@@ -54,6 +54,8 @@ pub struct ScoreMap {
     pub image: GrayImage,
     /// Pixel of the photograph at the map's outer corner.
     pub origin: Vec2,
+    /// Unit vector of the map's x axis in the photograph; its y axis is a quarter turn on.
+    pub axis: Vec2,
     /// Pixels of the photograph per pixel of the map.
     pub scale: f32,
 }
