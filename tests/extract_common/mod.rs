@@ -26,8 +26,10 @@ pub struct Scores {
     pub rachis: f64,
     /// Tip and base are exchanged.
     pub turned: bool,
-    /// Error of the barb angle in degrees, left and right, where barbs are resolved (90 where none was measured).
+    /// Error of the barb angle in degrees, left and right, where barbs are resolved and an angle was given.
     pub angle: [Option<f64>; 2],
+    /// Vanes whose barbs are resolved but got no angle.
+    pub missed: usize,
     /// The same where barbs are finer than that and an angle was given nevertheless.
     pub fine_angle: [Option<f64>; 2],
     /// Relative error of the barb density where resolved and given.
@@ -129,6 +131,7 @@ pub fn judge(truth: &Truth, found: &Extraction) -> Scores {
         far(end) > far(truth.rachis[0])
     });
     let mut angle = [None; 2];
+    let mut missed = 0;
     let mut fine_angle = [None; 2];
     let mut density = [None; 2];
     for side in 0..2 {
@@ -136,7 +139,8 @@ pub fn judge(truth: &Truth, found: &Extraction) -> Scores {
         let measured = found.barbs[side];
         let error = measured.map(|barbs| (f64::from(barbs.angle) - real.angle).to_degrees().abs());
         if real.is_resolved() {
-            angle[side] = Some(error.unwrap_or(90.0));
+            angle[side] = error;
+            missed += usize::from(error.is_none());
             density[side] = measured
                 .and_then(|barbs| barbs.count)
                 .map(|count| (f64::from(count) / (real.density * truth.length_mm) - 1.0).abs());
@@ -154,6 +158,7 @@ pub fn judge(truth: &Truth, found: &Extraction) -> Scores {
         rachis: line_distance(&truth.rachis, &rachis, height),
         turned,
         angle,
+        missed,
         fine_angle,
         density,
         albedo: albedo(truth, colour),
@@ -215,8 +220,12 @@ pub struct Report {
     pub fine_angle: Summary,
     /// Relative error of the density.
     pub density: Summary,
-    /// RMS of the colour where the pattern is plain.
+    /// RMS of the colour where the vane is closed and the pattern plain.
     pub albedo: Summary,
+    /// The same where it is open.
+    pub open: Summary,
+    /// Resolved vanes without an angle.
+    pub missed: usize,
     /// Displacement of pattern edges, pixels.
     pub edges: Summary,
     /// Seconds.
@@ -243,6 +252,8 @@ impl Report {
             fine_angle: Summary::of(good().flat_map(|s| s.fine_angle).flatten()),
             density: Summary::of(good().flat_map(|s| s.density).flatten()),
             albedo: Summary::of(good().filter_map(|s| s.albedo.rms)),
+            open: Summary::of(good().filter_map(|s| s.albedo.open)),
+            missed: good().map(|s| s.missed).sum(),
             edges: Summary::of(good().filter_map(|s| s.albedo.edges)),
             seconds: Summary::of(cases.iter().map(|case| case.seconds)),
             refused: cases.iter().filter(|case| case.scores.is_err()).count(),
@@ -262,6 +273,7 @@ impl Report {
             ("barb angle where finer, degrees off", &self.fine_angle),
             ("barb density where resolved, relative error", &self.density),
             ("albedo, RMS away from patterns", &self.albedo),
+            ("the same through open vanes", &self.open),
             ("pattern edges, pixels off", &self.edges),
             ("seconds", &self.seconds),
         ] {
@@ -271,8 +283,8 @@ impl Report {
             );
         }
         println!(
-            "refused: {}; tip and base exchanged: {}",
-            self.refused, self.turned
+            "refused: {}; tip and base exchanged: {}; resolved vanes without an angle: {}",
+            self.refused, self.turned, self.missed
         );
     }
 }

@@ -81,8 +81,11 @@ pub fn line_distance(a: &[[f64; 2]], b: &[[f64; 2]], height: f64) -> f64 {
 /// What the albedo of an extraction is like.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AlbedoScore {
-    /// Root mean square of the difference over places and channels, sRGB 0..1, where the pattern is plain; none where nothing is.
+    /// Root mean square of the difference over places and channels, sRGB 0..1, where the vane is closed and the pattern plain;
+    /// none where nothing is.
     pub rms: Option<f64>,
+    /// The same where the vane is open and what lies behind shows through.
+    pub open: Option<f64>,
     /// Mean displacement of the pattern's edges in pixels; an edge that is gone counts the reach of the search, 8.
     pub edges: Option<f64>,
     /// Share of edges that kept less than 40 % of their step.
@@ -91,7 +94,8 @@ pub struct AlbedoScore {
 
 /// Judges an albedo, given as a function from pixels of the photograph to sRGB.
 pub fn albedo(truth: &Truth, found: impl Fn([f64; 2]) -> Option<[f32; 3]>) -> AlbedoScore {
-    let (mut sum, mut count) = (0.0, 0usize);
+    // Sum and count, open and closed.
+    let mut sums = [(0.0, 0usize); 2];
     for pixel in truth.grid(1500, 5.0) {
         if !truth.is_plain(pixel) {
             continue;
@@ -99,12 +103,14 @@ pub fn albedo(truth: &Truth, found: impl Fn([f64; 2]) -> Option<[f32; 3]>) -> Al
         let wanted = truth.albedo(pixel);
         // What was not found counts as black.
         let got = found(pixel).unwrap_or_default();
-        sum += (0..3)
+        let part = &mut sums[usize::from(truth.is_closed(pixel))];
+        part.0 += (0..3)
             .map(|c| f64::from(got[c] - wanted[c]).powi(2))
             .sum::<f64>()
             / 3.0;
-        count += 1;
+        part.1 += 1;
     }
+    let [open, rms] = sums.map(|(sum, count)| (count > 0).then(|| (sum / count as f64).sqrt()));
     let edges = truth.pattern_edges();
     let (mut moved, mut lost) = (0.0, 0usize);
     for edge in &edges {
@@ -131,7 +137,8 @@ pub fn albedo(truth: &Truth, found: impl Fn([f64; 2]) -> Option<[f32; 3]>) -> Al
         }
     }
     AlbedoScore {
-        rms: (count > 0).then(|| (sum / count.max(1) as f64).sqrt()),
+        rms,
+        open,
         edges: (!edges.is_empty()).then(|| moved / edges.len().max(1) as f64),
         lost: lost as f64 / edges.len().max(1) as f64,
     }

@@ -179,6 +179,14 @@ impl Sheet {
         self.mixed(self.painted(uv), [vane.mean[0], barbule])
     }
 
+    /// How closed the vane is at a pixel, 0 (down, through which the background shows) to 1.
+    pub fn closed(&self, pixel: [f64; 2]) -> f64 {
+        let [x, y] = self.pose.canonical(pixel);
+        let vane = self.vane(x);
+        let (reach, _) = self.reach(x >= 0.0, map::barb_root([x, y], vane.angle));
+        map::hooked(x.abs(), y, reach, vane.fringe, vane.downy)
+    }
+
     /// Painted colour times the shares of barbs and barbules.
     fn mixed(&self, painted: [f32; 3], weights: [f64; 2]) -> [f32; 3] {
         let [barb, barbule] = weights.map(|weight| weight as f32);

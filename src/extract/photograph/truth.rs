@@ -144,6 +144,12 @@ impl Truth {
         grey(self.albedo(pixel))
     }
 
+    /// Whether the vane is closed at a pixel. Through down the background shows, and a photograph alone does not tell the two
+    /// apart.
+    pub fn is_closed(&self, pixel: [f64; 2]) -> bool {
+        self.sheet.closed(pixel) > 0.9
+    }
+
     /// Whether the painted colour changes by less than 0.02 (sRGB) within 6 pixels.
     pub fn is_plain(&self, pixel: [f64; 2]) -> bool {
         let here = self.albedo(pixel);
