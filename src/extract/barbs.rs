@@ -11,7 +11,7 @@ use bevy::math::Vec2;
 use image::GrayImage;
 
 /// Side of a patch in pixels of the photograph.
-const PATCH: (f32, f32) = (14.0, 96.0);
+const PATCH: (f32, f32) = (9.0, 96.0);
 /// Least coherence of a patch that has a vote.
 const COHERENCE: f32 = 0.2;
 /// Least contrast of a patch's detail, standard deviation of lightness.
@@ -134,7 +134,7 @@ impl Barbs {
                 let n = size as usize;
                 for share in [0.38, 0.66] {
                     let centre = Vec2::new(x + side.sign() * reach * share, y);
-                    let half = 0.5 * size * photo_step / view.scale;
+                    let half = 0.4 * size * photo_step / view.scale;
                     let rim = [(-half, -half), (half, -half), (-half, half), (half, half)];
                     let inside = |p: Vec2| {
                         p.x >= 0.0

@@ -61,6 +61,12 @@ pub enum ExtractError {
         /// Largest value.
         high: f64,
     },
+    /// A name that is no file name.
+    #[error("the name {name:?} has a path separator or starts with a dot")]
+    Name {
+        /// Name found.
+        name: String,
+    },
     /// Nothing stands out from the background, or nothing that could be a feather.
     #[error("no feather found: {reason}")]
     NoFeather {

@@ -14,6 +14,7 @@ mod colour;
 mod confidence;
 mod error;
 mod load;
+mod loader;
 mod outline;
 mod overlay;
 mod paint;
@@ -33,6 +34,7 @@ pub use error::ExtractError;
 pub use load::{
     MAX_FILE_BYTES, MAX_PIXELS, MAX_SIDE, MIN_SIDE, decode_photograph, load_photograph,
 };
+pub use loader::{ExtractPlugin, PhotographLoader};
 pub use result::{BarbMeasure, CardFrame, Extraction, ScoreMap};
 pub use run::extract;
 pub use settings::{AlbedoFilter, ExtractSettings, Face, Progress, Stage};

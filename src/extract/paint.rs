@@ -35,8 +35,13 @@ pub(super) fn paint(
         let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
         let share = (shaft.rows.1 as f32 - py) / rows;
         let from_shaft = (px - shaft.at(py)).abs();
-        let vane = map.distance.data[i] > 2.0 && from_shaft > radius(share) + 1.5;
+        let vane = map.distance.data[i] > 2.0 && from_shaft > 1.5 * radius(share) + 2.0;
         f32::from(u8::from(vane))
+    });
+    // Between loose barbs one looks through to the background: what is nearer to its colour than its surroundings counts less.
+    let around = cut.far.blur(0.006 * rows);
+    let opaque = cut.far.zip(&around, |far, around| {
+        (far / (1.15 * around).max(1e-3)).clamp(0.3, 1.0).powi(4)
     });
     // A feather that is all shaft has its shaft's colour.
     let usable = if usable.data.iter().sum::<f32>() < 30.0 {
@@ -44,6 +49,7 @@ pub(super) fn paint(
     } else {
         usable
     };
+    let usable = usable.zip(&opaque, |usable, opaque| usable * opaque);
     let length = (frame.v.length() / cut.view.scale).max(1.0);
     let tall = settings.albedo_height as usize;
     let wide = ((tall as f32 * aspect).round() as usize).clamp(8, 2048);
@@ -61,7 +67,7 @@ pub(super) fn paint(
     let held = Plane::from_fn(wide, tall, |x, y| {
         let p = texel(x, y);
         let inside = p.x >= 0.0 && p.y >= 0.0 && p.x < width as f32 && p.y < height as f32;
-        f32::from(u8::from(inside && weight.sample(p) > 0.3))
+        f32::from(u8::from(inside && weight.sample(p) > 0.1))
     });
     let channels = [0, 1, 2].map(|c| {
         let light = Plane {

@@ -6,6 +6,7 @@ use super::{
     barbs::Barbs,
     load, outline, paint,
     prepare::{self, Photo},
+    raster,
     score::{self, Score},
     shaft::{self, Shaft},
     silhouette::{self, Silhouette},
@@ -33,9 +34,10 @@ pub fn extract(
     progress(Progress::begin(Stage::Segment));
     let mut cut = silhouette::silhouette(photograph, settings, &mut confidence)?;
     progress(Progress::begin(Stage::Contour));
-    let narrow = narrow_end(&cut.mask);
-    if narrow < 0.0 {
+    let mut quill = quill_end(&cut.mask);
+    if quill < 0.0 {
         cut = cut.turned();
+        quill = -quill;
     }
     progress(Progress::begin(Stage::Rachis));
     let (mut map, mut shaft) = find_shaft(&cut)?;
@@ -48,7 +50,7 @@ pub fn extract(
     let (upward, weight) = barbs.upward();
     // Barbs point to the tip; a bare quill is no weaker a sign.
     let barb_sign = upward * (weight / 2.0).min(1.0);
-    let sure = 1.2 * barb_sign + narrow.abs();
+    let sure = 1.4 * barb_sign + quill + 0.5 * thick_end(&map, &shaft);
     if sure < 0.0 {
         cut = cut.turned();
         (map, shaft) = find_shaft(&cut)?;
@@ -138,8 +140,9 @@ fn find_shaft(cut: &Silhouette) -> Result<(Score, Shaft), ExtractError> {
     Ok((map, shaft))
 }
 
-/// Which end is narrow for longer: positive when it is the lower one, -1..1.
-fn narrow_end(mask: &GrayImage) -> f32 {
+/// Which end is the quill: positive when it is the lower one, about -1..1. A quill is narrow for long, and as wide at its very
+/// end as further in, where a tip tapers.
+fn quill_end(mask: &GrayImage) -> f32 {
     let widths: Vec<f32> = mask
         .rows()
         .map(|row| row.filter(|p| p[0] > 0).count() as f32)
@@ -150,19 +153,51 @@ fn narrow_end(mask: &GrayImage) -> f32 {
     ) else {
         return 0.0;
     };
-    let widths = &widths[first..=last];
-    let widest = super::raster::quantile(&mut widths.to_vec(), 0.95).max(1.0);
-    // Width over the first and last sixth, the bare quill counting most.
-    let part = (widths.len() / 6).max(1);
-    let bare = |values: &mut dyn Iterator<Item = &f32>| {
-        values
-            .take(part)
+    let mut widths = widths[first..=last].to_vec();
+    let widest = raster::quantile(&mut widths.clone(), 0.95).max(1.0);
+    let mut ends = [0.0; 2];
+    for end in &mut ends {
+        let mean = |low: f32, high: f32| {
+            let at = |share: f32| (share * widths.len() as f32) as usize;
+            let part = &widths[at(low)..at(high).max(at(low) + 1).min(widths.len())];
+            part.iter().sum::<f32>() / part.len().max(1) as f32
+        };
+        let sixth = &widths[..(widths.len() / 6).max(1)];
+        let bare = sixth
+            .iter()
             .map(|w| (1.0 - w / widest).max(0.0).powi(2))
             .sum::<f32>()
-            / part as f32
+            / sixth.len() as f32;
+        let further = mean(0.03, 0.05);
+        let flat = if further < 0.3 * widest {
+            (mean(0.007, 0.02) / further.max(1.0) - 0.6) / 0.4
+        } else {
+            0.0
+        };
+        *end = 1.3 * bare + 0.5 * flat.clamp(-1.0, 1.0);
+        widths.reverse();
+    }
+    ends[1] - ends[0]
+}
+
+/// Which end of the shaft is the thicker one: positive when it is the lower one, -1..1.
+fn thick_end(map: &Score, shaft: &Shaft) -> f32 {
+    let rows = shaft.x.len();
+    let mean = |from: usize, to: usize| {
+        let sum: f32 = (from..to)
+            .map(|i| {
+                let x = (shaft.x[i] as usize).min(map.radius.width - 1);
+                map.radius.data[(shaft.rows.0 + i) * map.radius.width + x]
+            })
+            .sum();
+        sum / (to - from).max(1) as f32
     };
-    let (top, bottom) = (bare(&mut widths.iter()), bare(&mut widths.iter().rev()));
-    (2.0 * (bottom - top)).clamp(-1.0, 1.0)
+    // The ends themselves are quill or taper.
+    let (top, bottom) = (
+        mean(rows / 10, rows * 4 / 10),
+        mean(rows * 6 / 10, rows * 9 / 10),
+    );
+    (1.5 * (bottom - top) / (bottom + top).max(1e-3)).clamp(-1.0, 1.0)
 }
 
 /// Notes an outline that no feather has.

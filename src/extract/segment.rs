@@ -26,6 +26,8 @@ pub(super) struct Segment {
     pub mask: GrayImage,
     /// Positive on the feather, 0 on its outline to a fraction of a pixel.
     pub field: Plane,
+    /// Distance of each pixel's colour to the background's.
+    pub far: Plane,
     /// 255 on all that is not background, thin lines too.
     pub loose: GrayImage,
     /// Areas of the other objects, as shares of the feather's.
@@ -262,6 +264,7 @@ pub(super) fn segment(
     Segment {
         mask: kept,
         field,
+        far,
         loose,
         others: others
             .iter()

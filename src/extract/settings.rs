@@ -27,7 +27,8 @@ pub enum AlbedoFilter {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExtractSettings {
-    /// Name of the feather, 1..256 bytes.
+    /// Name of the feather and of its files, 1..128 bytes without `/` and `\\`. The asset loader puts the file's name in place of
+    /// the default.
     pub name: String,
     /// Which face the photograph shows.
     pub face: Face,
@@ -82,7 +83,12 @@ impl ExtractSettings {
                 high,
             })
         };
-        inside("name.len()", self.name.len() as f64, 1.0, 256.0)?;
+        if self.name.contains(['/', '\\']) || self.name.starts_with('.') {
+            return Err(ExtractError::Name {
+                name: self.name.clone(),
+            });
+        }
+        inside("name.len()", self.name.len() as f64, 1.0, 128.0)?;
         if let Some(length) = self.length_mm {
             inside("length_mm", f64::from(length), 0.1, 5000.0)?;
         }

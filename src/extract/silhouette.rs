@@ -32,6 +32,8 @@ pub(super) struct Silhouette {
     pub outline: Vec<Vec2>,
     /// Field that is 0 on the outline.
     pub field: Plane,
+    /// Distance of each pixel's colour to the background's.
+    pub far: Plane,
 }
 
 impl Silhouette {
@@ -45,6 +47,7 @@ impl Silhouette {
             plane.data.reverse();
         }
         self.field.data.reverse();
+        self.far.data.reverse();
         for point in &mut self.outline {
             *point = size - *point;
         }
@@ -79,6 +82,7 @@ fn alpha_segment(image: &RgbaImage) -> Segment {
     let (mask, area, others) = largest(&mask, least);
     Segment {
         loose: mask.clone(),
+        far: Plane::new(width, height, 1.0),
         mask,
         field,
         others: others
@@ -138,8 +142,8 @@ fn find_background(lab: &Lab) -> (Background, Segment) {
     (background, found)
 }
 
-/// Middle and main direction of a mask, and its extent along and across, in pixels.
-fn principal(mask: &GrayImage) -> Option<(Vec2, Vec2)> {
+/// Middle and main direction of a mask, and how slender it is (deviation along over across).
+fn principal(mask: &GrayImage) -> Option<(Vec2, Vec2, f32)> {
     let (mut count, mut sum) = (0.0f64, [0.0f64; 2]);
     let mut squares = [0.0f64; 3];
     for (x, y, pixel) in mask.enumerate_pixels() {
@@ -160,10 +164,46 @@ fn principal(mask: &GrayImage) -> Option<(Vec2, Vec2)> {
         squares[2] / count - my * my,
     );
     let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
+    let (mean, root) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
+    let slender = ((mean + root) / (mean - root).max(1e-6)).sqrt();
     Some((
         Vec2::new(mx as f32, my as f32),
         Vec2::from_angle(angle as f32),
+        slender as f32,
     ))
+}
+
+/// Direction of the feather. A long one lies along the main direction of its mask; for one nearly as wide as long the axis of
+/// best mirror symmetry says more.
+fn direction(mask: &GrayImage) -> Vec2 {
+    let Some((middle, main, slender)) = principal(mask) else {
+        return Vec2::Y;
+    };
+    if slender > 2.2 {
+        return main;
+    }
+    let step = (mask.width() * mask.height() / 60_000).max(1) as usize;
+    let on: Vec<Vec2> = mask
+        .enumerate_pixels()
+        .step_by(step)
+        .filter(|(_, _, pixel)| pixel[0] > 0)
+        .map(|(x, y, _)| Vec2::new(x as f32 + 0.5, y as f32 + 0.5) - middle)
+        .collect();
+    let symmetry = |axis: Vec2| {
+        let mirrored = on.iter().filter(|p| {
+            let q = middle + axis * p.dot(axis) - axis.perp() * p.dot(axis.perp());
+            let inside =
+                q.x >= 0.0 && q.y >= 0.0 && q.x < mask.width() as f32 && q.y < mask.height() as f32;
+            inside && mask.get_pixel(q.x as u32, q.y as u32)[0] > 0
+        });
+        let lean = 0.04 * (slender - 1.0) * axis.dot(main).abs();
+        mirrored.count() as f32 / on.len().max(1) as f32 + lean
+    };
+    (0..60)
+        .map(|i| Vec2::from_angle(std::f32::consts::PI * i as f32 / 60.0))
+        .map(|axis| (symmetry(axis), axis))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or(main, |(_, axis)| axis)
 }
 
 /// Finds the feather, turns the view upright and cuts it out anew at the resolution asked for.
@@ -217,7 +257,7 @@ pub(super) fn silhouette(
     }
 
     // Upright view around what was found.
-    let (_, along) = principal(&found.mask).unwrap_or((Vec2::ZERO, Vec2::Y));
+    let along = direction(&found.mask);
     // The view's x axis; its y axis is then `along`, which shall point down the screen.
     let along = if along.y < 0.0 { -along } else { along };
     let axis = -along.perp();
@@ -291,6 +331,7 @@ pub(super) fn silhouette(
         mask: cut.mask,
         outline,
         field: cut.field,
+        far: cut.far,
     })
 }
 
