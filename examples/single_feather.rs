@@ -1,6 +1,10 @@
-//! One feather on a card of its own: no bird, no groom. `--feather NAME` takes any file of `assets/feathers`.
+//! One feather on a card of its own: no bird, no groom. `--feather NAME` takes any file of `assets/feathers`;
+//! `--photo FILE` (feature `extract`) makes a feather of a photograph and shows both.
 
 mod helper;
+#[cfg(feature = "extract")]
+#[path = "helper/photo.rs"]
+mod photo;
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -19,6 +23,11 @@ use helper::{
 
 fn main() {
     helper::run("single_feather", |app| {
+        #[cfg(feature = "extract")]
+        if photo::setup(app) {
+            app.add_systems(Update, spawn);
+            return;
+        }
         // Half way up; the card leans back a little there.
         let middle = Vec3::new(0.006, 0.1542, -0.0135);
         app.insert_resource(Shots {
@@ -53,7 +62,17 @@ fn load(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    // A dark cloth around: what shows between the barbules should not outshine them.
+    spawn_cloth(&mut commands, &mut meshes, &mut materials);
+    let feather = assets.load(format!("feathers/{}.feather.ron", args.feather));
+    commands.spawn((Waiting(feather), Transform::IDENTITY, Visibility::default()));
+}
+
+/// A dark cloth around: what shows between the barbules should not outshine them.
+fn spawn_cloth(
+    commands: &mut Commands,
+    meshes: &mut Assets<Mesh>,
+    materials: &mut Assets<StandardMaterial>,
+) {
     commands.spawn((
         Mesh3d(meshes.add(Sphere::new(3.0))),
         MeshMaterial3d(materials.add(StandardMaterial {
@@ -64,9 +83,10 @@ fn load(
         })),
         NotShadowCaster,
     ));
-    let feather = assets.load(format!("feathers/{}.feather.ron", args.feather));
-    commands.spawn((Waiting(feather), Transform::IDENTITY, Visibility::default()));
 }
+
+/// Length of the card in metres: every feather is shown as long as a primary, so that the shots fit.
+const LENGTH: f32 = 0.31;
 
 /// Spawns the card once the feather's size is known.
 fn spawn(
@@ -80,8 +100,7 @@ fn spawn(
         let Some(feather) = feathers.get(handle) else {
             continue;
         };
-        // Every feather is shown as long as a primary, so that the shots fit.
-        let length = 0.31;
+        let length = LENGTH;
         let width = length * feather.aspect;
         // One card needs no sorting: blend it, for every step of coverage that there is.
         let mut quality = args.quality(FeatherTransparency::Blend);

@@ -34,4 +34,10 @@ done
 show single_feather feather_backlight --size 360x480 --backlight --env-samples 64
 show eagle eagle_rim --size 640x480 --time 0 --backlight
 show single_feather feather_barbs --size 640x480 --camera macro --distance 2.5
+photo=$(mktemp -d)/photograph.jpg
+${CARGO:-cargo} run -q --features extract --example extract_charts -- --photograph eagle_secondary "$photo"
+echo "gallery: extract_pair"
+${CARGO:-cargo} run -q --features extract --example single_feather -- --headless --frames 1 --size 800x640 --photo "$photo" \
+    --output "$out/extract_pair.png" --stats "$out/stats/extract_pair.json" >/dev/null
+rm -r "$(dirname "$photo")"
 echo "gallery: all pictures are in $out/"

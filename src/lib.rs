@@ -26,6 +26,8 @@
 
 pub mod anatomy;
 pub mod curves;
+#[cfg(feature = "extract")]
+pub mod extract;
 pub mod groom;
 pub mod query;
 pub mod render;

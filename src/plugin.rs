@@ -8,9 +8,12 @@ pub struct PlumagePlugins;
 
 impl PluginGroup for PlumagePlugins {
     fn build(self) -> PluginGroupBuilder {
-        PluginGroupBuilder::start::<Self>()
+        let group = PluginGroupBuilder::start::<Self>()
             .add(AnatomyPlugin)
             .add(GroomPlugin)
-            .add(FeatherRenderPlugin)
+            .add(FeatherRenderPlugin);
+        #[cfg(feature = "extract")]
+        let group = group.add(crate::extract::ExtractPlugin);
+        group
     }
 }

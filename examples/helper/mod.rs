@@ -193,6 +193,9 @@ pub struct Args {
     /// Animation of that mesh that plays.
     #[arg(long, default_value_t = 0)]
     pub clip: usize,
+    /// Photograph that `single_feather` makes a feather of and shows beside it (feature `extract`).
+    #[arg(long)]
+    pub photo: Option<PathBuf>,
     /// Camera distance relative to the shot's own.
     #[arg(long, default_value_t = 1.0)]
     pub distance: f32,

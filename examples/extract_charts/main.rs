@@ -1,0 +1,311 @@
+//! How good the extraction is, on synthetic photographs with known truth: tables, `extract_*.svg` and `extract_*.csv`.
+//!
+//! `cargo run --features extract --example extract_charts [folder] [photographs]` (default `docs/charts`, 520; the least is 39).
+//! `--photograph PRESET FILE` writes one of them. The picture of 12 megapixels is extracted by a process of its own, whose time and memory are printed.
+
+mod chart;
+#[path = "../../tests/extract_common/mod.rs"]
+mod extract_common;
+mod sweep;
+
+use bevy_plumage::{
+    anatomy::presets,
+    extract::{
+        ExtractSettings, extract, load_photograph,
+        photograph::{Background, Photograph, Setting},
+    },
+};
+use chart::{Curve, draw};
+use extract_common::{Case, Report, random_case, run, settings};
+use rayon::prelude::*;
+use std::{
+    env,
+    error::Error,
+    fmt::Write as _,
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+    time::Instant,
+};
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+/// What is to be reached, and the errors are drawn over: 1 - Dice, shaft, albedo, barb angle, pattern edges.
+const TARGETS: [(&str, f64); 5] = [
+    ("1 - Dice of the mask, over 0.015", 0.015),
+    ("rachis distance over 0.003", 0.003),
+    ("albedo RMS over 0.03", 0.03),
+    ("barb angle over 4 degrees", 4.0),
+    ("pattern edges over 2 pixels", 2.0),
+];
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    if let [flag, file] = arguments.as_slice()
+        && flag == "--extract"
+    {
+        return extract_alone(Path::new(file));
+    }
+    if let [flag, name, file] = arguments.as_slice()
+        && flag == "--photograph"
+    {
+        return photograph(name, Path::new(file));
+    }
+    let folder = PathBuf::from(arguments.first().map_or("docs/charts", String::as_str));
+    let count = arguments.get(1).map_or(Ok(520), |text| text.parse())?;
+    fs::create_dir_all(&folder)?;
+    corpus(&folder, count)?;
+    sweep::sweeps(&folder)?;
+    large(&folder)
+}
+
+/// The photographs over the whole range.
+fn corpus(folder: &Path, count: u64) -> Result<()> {
+    let start = Instant::now();
+    let mut cases: Vec<Case> = (0..count.max(39))
+        .into_par_iter()
+        .map(|index| {
+            let (feather, setting) = random_case(index);
+            run(index, &feather, &setting, &settings(&feather, &setting))
+        })
+        .collect();
+    println!(
+        "{} photographs in {:.0} s on {} threads",
+        cases.len(),
+        start.elapsed().as_secs_f64(),
+        rayon::current_num_threads()
+    );
+    Report::of(&cases).print();
+    println!("\n| background | photographs | Dice | rachis | albedo |");
+    println!("|---|---|---|---|---|");
+    for background in Background::ALL {
+        let part: Vec<Case> = cases
+            .iter()
+            .filter(|case| case.setting.background == background)
+            .cloned()
+            .collect();
+        line(&format!("{background:?}"), &part);
+    }
+    println!("\n| feather | photographs | Dice | rachis | albedo |");
+    println!("|---|---|---|---|---|");
+    for feather in presets::all() {
+        let part: Vec<Case> = cases
+            .iter()
+            .filter(|case| case.name == feather.name)
+            .cloned()
+            .collect();
+        line(&feather.name, &part);
+    }
+    let mut text = String::from(
+        "seed,feather,width,height,background,contrast,pixels per length,rotation,blur,noise,jpeg,dice,asset dice,rachis,turned,\
+         angle left,angle right,albedo,edges,confidence,seconds,refused\n",
+    );
+    for case in &cases {
+        writeln!(text, "{}", row(case))?;
+    }
+    fs::write(folder.join("extract_cases.csv"), text)?;
+    cases.sort_by(|a, b| a.dice().total_cmp(&b.dice()));
+    println!("\nlowest Dice:");
+    cases.iter().take(12).for_each(describe);
+    cases.sort_by(|a, b| b.rachis().total_cmp(&a.rachis()));
+    println!("\nlargest distance of the rachis:");
+    cases.iter().take(12).for_each(describe);
+    histogram(folder, &cases)
+}
+
+fn line(name: &str, cases: &[Case]) {
+    let report = Report::of(cases);
+    println!(
+        "| {name} | {} | {:.4} | {:.4} | {:.4} |",
+        cases.len(),
+        report.dice.mean,
+        report.rachis.mean,
+        report.albedo.mean
+    );
+}
+
+fn row(case: &Case) -> String {
+    let s = &case.setting;
+    let given = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.4}"));
+    let head = format!(
+        "{},{},{},{},{:?},{:.3},{:.0},{:.3},{:.2},{:.4},{}",
+        case.index,
+        case.name,
+        s.size[0],
+        s.size[1],
+        s.background,
+        case.contrast,
+        case.scale,
+        s.rotation,
+        s.blur,
+        s.noise,
+        s.jpeg.unwrap_or(0)
+    );
+    match &case.scores {
+        Ok(found) => format!(
+            "{head},{:.4},{:.4},{:.5},{},{},{},{},{},{:.2},{:.2},",
+            found.dice,
+            found.asset,
+            found.rachis,
+            found.turned,
+            given(found.angle[0]),
+            given(found.angle[1]),
+            given(found.albedo.rms),
+            given(found.albedo.edges),
+            found.confidence,
+            case.seconds
+        ),
+        Err(error) => format!("{head},0,0,1,,,,,,0,{:.2},{error:?}", case.seconds),
+    }
+}
+
+fn describe(case: &Case) {
+    let s = &case.setting;
+    let note = match &case.scores {
+        Ok(found) => format!("confidence {:.2}", found.confidence),
+        Err(error) => error.clone(),
+    };
+    println!(
+        "  Dice {:.3}, rachis {:.4}: seed {} {} {}x{} {:?} contrast {:.2} noise {:.3} blur {:.1}; {note}",
+        case.dice(),
+        case.rachis(),
+        case.index,
+        case.name,
+        s.size[0],
+        s.size[1],
+        s.background,
+        case.contrast,
+        s.noise,
+        s.blur
+    );
+}
+
+/// Share of photographs up to each error over its target.
+fn histogram(folder: &Path, cases: &[Case]) -> Result<()> {
+    let errors = |measure: usize| -> Vec<f64> {
+        let mut errors: Vec<f64> = cases
+            .iter()
+            .flat_map(|case| over_target(case, measure))
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        errors
+    };
+    let curves: Vec<Curve> = (0..TARGETS.len())
+        .map(|measure| {
+            let errors = errors(measure);
+            let last = errors.len().max(1) as f64;
+            let points = errors
+                .iter()
+                .enumerate()
+                .map(|(i, &error)| (error.clamp(0.02, 20.0).log10(), (i as f64 + 1.0) / last))
+                .collect();
+            (TARGETS[measure].0.to_owned(), points)
+        })
+        .collect();
+    draw(
+        &folder.join("extract_errors.svg"),
+        &format!(
+            "{} synthetic photographs: share up to an error",
+            cases.len()
+        ),
+        ["log10 of the error over its target (0 = target)", "share"],
+        (-1.7, 1.3),
+        (0.0, 1.0),
+        &curves,
+    )
+}
+
+/// Errors of one photograph over the target of a measure: none, one, or one per vane.
+fn over_target(case: &Case, measure: usize) -> Vec<f64> {
+    let target = TARGETS[measure].1;
+    let errors: Vec<f64> = match (measure, &case.scores) {
+        (0, _) => vec![1.0 - case.dice()],
+        (1, _) => vec![case.rachis()],
+        (_, Err(_)) => Vec::new(),
+        (2, Ok(scores)) => scores.albedo.rms.into_iter().collect(),
+        (3, Ok(scores)) => scores.angle.into_iter().flatten().collect(),
+        (_, Ok(scores)) => scores.albedo.edges.into_iter().collect(),
+    };
+    errors.into_iter().map(|error| error / target).collect()
+}
+
+/// One photograph of a preset, as a file.
+fn photograph(name: &str, file: &Path) -> Result<()> {
+    let feather = presets::by_name(name).ok_or_else(|| format!("no preset is named `{name}`"))?;
+    let setting = Setting {
+        size: [640, 1000],
+        background: Background::Wood,
+        ground: [0.80, 0.74, 0.64],
+        rotation: 0.08,
+        ..Setting::default()
+    };
+    fs::write(file, Photograph::take(&feather, &setting).file())?;
+    Ok(())
+}
+
+/// A picture of 12 megapixels, extracted by a process of its own.
+fn large(folder: &Path) -> Result<()> {
+    let feather = presets::by_name("eagle_secondary").ok_or("no such feather")?;
+    let setting = Setting {
+        size: [3000, 4000],
+        rotation: 0.2,
+        ..Setting::default()
+    };
+    let start = Instant::now();
+    let photograph = Photograph::take(&feather, &setting);
+    println!(
+        "\n3000 x 4000 pixels rendered in {:.1} s",
+        start.elapsed().as_secs_f64()
+    );
+    let file = env::temp_dir().join(format!("bevy_plumage_{}.jpg", std::process::id()));
+    fs::write(&file, photograph.file())?;
+    drop(photograph);
+    let output = Command::new(env::current_exe()?)
+        .arg("--extract")
+        .arg(&file)
+        .output();
+    fs::remove_file(&file)?;
+    let output = output?;
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    print!("{text}");
+    if !output.status.success() {
+        return Err(String::from_utf8_lossy(&output.stderr).into_owned().into());
+    }
+    fs::write(folder.join("extract_large.txt"), text)?;
+    Ok(())
+}
+
+/// Extracts one file and prints time and peak memory of this process.
+fn extract_alone(file: &Path) -> Result<()> {
+    let start = Instant::now();
+    let picture = load_photograph(file)?;
+    let loaded = start.elapsed().as_secs_f64();
+    let found = extract(&picture, &ExtractSettings::default(), &mut |_| ())?;
+    println!(
+        "{} x {} pixels: file read in {loaded:.2} s, all in {:.2} s on {} threads, confidence {:.2}",
+        picture.width(),
+        picture.height(),
+        start.elapsed().as_secs_f64(),
+        std::thread::available_parallelism()?,
+        found.confidence.overall()
+    );
+    // Linux only; elsewhere the line is missing.
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let peak = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))
+        .and_then(|rest| {
+            rest.trim()
+                .trim_end_matches(" kB")
+                .trim()
+                .parse::<f64>()
+                .ok()
+        });
+    if let Some(kilobytes) = peak {
+        println!(
+            "peak memory of the process: {:.0} MB",
+            kilobytes * 1024.0 / 1e6
+        );
+    }
+    Ok(())
+}
