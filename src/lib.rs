@@ -25,6 +25,9 @@
 
 pub mod anatomy;
 pub mod groom;
+#[cfg(feature = "inspector")]
+pub mod inspector;
+pub mod parameter;
 pub mod query;
 pub mod render;
 pub mod scattering;

@@ -1,5 +1,6 @@
 //! [`FeatherMaterial`]: the look bound to the GPU.
 
+use crate::parameter::Parameter;
 use crate::query::ErrorBudget;
 use crate::shaders::{FEATHER, FEATHER_PREPASS, FEATHER_VERTEX};
 use bevy::{
@@ -63,11 +64,14 @@ pub enum DebugView {
 #[serde(default, deny_unknown_fields)]
 pub struct FeatherSettings {
     /// Largest error of coverage that the LOD may make, 0.0005..0.1 (half an 8-bit step and more; 1/255).
+    #[reflect(@Parameter::new("", 0.0005, 0.1).logarithmic())]
     pub error_budget: f32,
     /// Strength of the light that reaches a feather through its neighbours, 0..1: scattered light between feathers (0.5).
+    #[reflect(@Parameter::share())]
     pub multiple_scattering: f32,
     /// Share of the sky that the feathers above hide at a feather's root, 0..1 (0.55); falls to nothing towards the tip. 0 for a
     /// feather on its own.
+    #[reflect(@Parameter::share())]
     pub shelter: f32,
     /// Vary the alpha by a fixed pattern before it becomes MSAA samples, so that its mean is right.
     pub dither: bool,
@@ -76,6 +80,7 @@ pub struct FeatherSettings {
     /// How coverage is found.
     pub coverage_method: CoverageMethod,
     /// Samples of the environment map per pixel, 0..64, by importance; 0 (default) takes Bevy's prefiltered maps instead.
+    #[reflect(@Parameter::new("", 0.0, 64.0))]
     pub environment_samples: u32,
 }
 
