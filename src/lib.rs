@@ -24,6 +24,8 @@
 #![warn(missing_docs)]
 
 pub mod anatomy;
+#[cfg(feature = "extract")]
+pub mod extract;
 pub mod groom;
 #[cfg(feature = "inspector")]
 pub mod inspector;

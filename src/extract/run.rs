@@ -1,0 +1,215 @@
+//! All stages in order.
+
+use super::{
+    Confidence, Doubt, ExtractError, ExtractSettings, Extraction, Face, Progress, ScoreMap, Stage,
+    assemble,
+    barbs::Barbs,
+    load, outline, paint,
+    prepare::{self, Photo},
+    score::{self, Score},
+    shaft::{self, Shaft},
+    silhouette::{self, Silhouette},
+};
+use crate::anatomy::Side;
+use bevy::math::Vec2;
+use image::{DynamicImage, GrayImage, Luma};
+
+/// Most pixels held of the photograph at its own resolution, for barbs.
+const DETAIL_PIXELS: f32 = 24e6;
+/// Points of the shaft that are returned.
+const SHAFT_POINTS: usize = 256;
+
+/// Extracts the one feather of a photograph. `progress` hears each stage as it begins. Deterministic; bounded in time and
+/// memory whatever the picture shows.
+pub fn extract(
+    photograph: &DynamicImage,
+    settings: &ExtractSettings,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Extraction, ExtractError> {
+    load::check_size(photograph.width(), photograph.height())?;
+    settings.check()?;
+    let mut confidence = Confidence::default();
+    progress(Progress::begin(Stage::Prepare));
+    progress(Progress::begin(Stage::Segment));
+    let mut cut = silhouette::silhouette(photograph, settings, &mut confidence)?;
+    progress(Progress::begin(Stage::Contour));
+    let narrow = narrow_end(&cut.mask);
+    if narrow < 0.0 {
+        cut = cut.turned();
+    }
+    progress(Progress::begin(Stage::Rachis));
+    let (mut map, mut shaft) = find_shaft(&cut)?;
+
+    progress(Progress::begin(Stage::Barbs));
+    let (width, height) = (photograph.width() as f32, photograph.height() as f32);
+    let detail = (DETAIL_PIXELS / (width * height)).sqrt().min(1.0);
+    let photo = Photo::reduced(photograph, width.max(height) * detail);
+    let mut barbs = Barbs::look(&photo, &cut.view, &cut.mask, &shaft);
+    let (upward, weight) = barbs.upward();
+    // Barbs point to the tip; a bare quill is no weaker a sign.
+    let barb_sign = upward * (weight / 2.0).min(1.0);
+    let sure = 1.2 * barb_sign + narrow.abs();
+    if sure < 0.0 {
+        cut = cut.turned();
+        (map, shaft) = find_shaft(&cut)?;
+        barbs = Barbs::look(&photo, &cut.view, &cut.mask, &shaft);
+    }
+    drop(photo);
+    if sure.abs() < 0.3 {
+        confidence
+            .direction
+            .doubt(Doubt::EndsAlike, 0.5 + 1.6 * sure.abs());
+    }
+    if shaft.clear < 0.5 {
+        confidence
+            .rachis
+            .doubt(Doubt::FaintRachis(shaft.clear), 0.3 + 1.4 * shaft.clear);
+    }
+    judge_shape(&cut, &mut confidence);
+    let sides = match settings.face {
+        Face::Front => Side::BOTH,
+        Face::Back => [Side::Right, Side::Left],
+    };
+    let measured = [0, 1].map(|slot: usize| barbs.measure(sides[slot], slot, &mut confidence));
+
+    progress(Progress::begin(Stage::Albedo));
+    let card = assemble::card(&cut, &shaft, settings.face);
+    let radius = assemble::radii(&map, &shaft);
+    let thick = |share: f32| {
+        let (low, high, t) = if share < 0.5 {
+            (radius[0], radius[1], share * 2.0)
+        } else {
+            (radius[1], radius[2], share * 2.0 - 1.0)
+        };
+        low + (high - low) * t.clamp(0.0, 1.0)
+    };
+    let albedo = paint::paint(
+        &cut,
+        &map,
+        &shaft,
+        &thick,
+        &card.frame,
+        card.aspect,
+        settings,
+    );
+    judge_exposure(&cut, &mut confidence);
+
+    progress(Progress::begin(Stage::Assemble));
+    let feather = assemble::assemble(
+        &cut,
+        &card,
+        radius,
+        &measured,
+        &albedo,
+        settings,
+        &mut confidence,
+    )?;
+    let contour: Vec<Vec2> = cut.outline.iter().map(|p| cut.view.photo(*p)).collect();
+    let mask = outline::fill(&contour, photograph.width(), photograph.height());
+    let (score_width, score_height) = (cut.view.width as u32, cut.view.height as u32);
+    Ok(Extraction {
+        feather,
+        albedo,
+        mask,
+        rachis: outline::resample(&card.line, SHAFT_POINTS, false),
+        contour,
+        score: ScoreMap {
+            image: GrayImage::from_fn(score_width, score_height, |x, y| {
+                let value = map.score.data[y as usize * cut.view.width + x as usize];
+                Luma([(value.clamp(0.0, 1.0) * 255.0) as u8])
+            }),
+            origin: cut.view.origin,
+            axis: cut.view.axis,
+            scale: cut.view.scale,
+        },
+        barbs: measured,
+        frame: card.frame,
+        confidence,
+    })
+}
+
+fn find_shaft(cut: &Silhouette) -> Result<(Score, Shaft), ExtractError> {
+    let light = prepare::equalise(&cut.lab, 8, 2.5);
+    let main = score::main_direction(&cut.mask);
+    let map = score::score(&light, &cut.lab, &cut.mask, &main);
+    let shaft = shaft::shaft(&map).ok_or_else(|| ExtractError::NoFeather {
+        reason: "no way through from end to end".to_owned(),
+    })?;
+    Ok((map, shaft))
+}
+
+/// Which end is narrow for longer: positive when it is the lower one, -1..1.
+fn narrow_end(mask: &GrayImage) -> f32 {
+    let widths: Vec<f32> = mask
+        .rows()
+        .map(|row| row.filter(|p| p[0] > 0).count() as f32)
+        .collect();
+    let (Some(first), Some(last)) = (
+        widths.iter().position(|&w| w > 0.0),
+        widths.iter().rposition(|&w| w > 0.0),
+    ) else {
+        return 0.0;
+    };
+    let widths = &widths[first..=last];
+    let widest = super::raster::quantile(&mut widths.to_vec(), 0.95).max(1.0);
+    // Width over the first and last sixth, the bare quill counting most.
+    let part = (widths.len() / 6).max(1);
+    let bare = |values: &mut dyn Iterator<Item = &f32>| {
+        values
+            .take(part)
+            .map(|w| (1.0 - w / widest).max(0.0).powi(2))
+            .sum::<f32>()
+            / part as f32
+    };
+    let (top, bottom) = (bare(&mut widths.iter()), bare(&mut widths.iter().rev()));
+    (2.0 * (bottom - top)).clamp(-1.0, 1.0)
+}
+
+/// Notes an outline that no feather has.
+fn judge_shape(cut: &Silhouette, confidence: &mut Confidence) {
+    let trust = &mut confidence.one_feather;
+    let area = cut.mask.as_raw().iter().filter(|&&m| m > 0).count() as f32;
+    let (mut low, mut high) = (Vec2::MAX, Vec2::MIN);
+    for p in &cut.outline {
+        (low, high) = (low.min(*p), high.max(*p));
+    }
+    let size = (high - low).max(Vec2::ONE);
+    if size.x > 0.75 * size.y {
+        trust.doubt(
+            Doubt::Shape("nearly as wide as long"),
+            0.75 * size.y / size.x * 0.6,
+        );
+    }
+    let points: Vec<imageproc::point::Point<i32>> = cut
+        .outline
+        .iter()
+        .map(|p| imageproc::point::Point::new(p.x as i32, p.y as i32))
+        .collect();
+    let hull = imageproc::geometry::convex_hull(points);
+    let hull_area = imageproc::geometry::contour_area(&hull).max(1.0) as f32;
+    let solid = area / hull_area;
+    if solid < 0.55 {
+        trust.doubt(Doubt::Shape("deeply lobed"), (solid / 0.55).powi(2));
+    }
+    let perimeter = outline::length(&cut.outline);
+    let ragged = perimeter / (2.0 * (size.x + size.y));
+    if ragged > 2.2 {
+        trust.doubt(Doubt::Shape("ragged outline"), (2.2 / ragged).max(0.2));
+    }
+}
+
+/// Notes colours that are clipped.
+fn judge_exposure(cut: &Silhouette, confidence: &mut Confidence) {
+    let (mut clipped, mut count) = (0u32, 0u32);
+    for (pixel, mask) in cut.image.pixels().zip(cut.mask.as_raw()) {
+        if *mask > 0 {
+            let [r, g, b, _] = pixel.0;
+            count += 1;
+            clipped += u32::from(r.min(g).min(b) > 252 || r.max(g).max(b) < 3);
+        }
+    }
+    let share = clipped as f32 / count.max(1) as f32;
+    if share > 0.03 {
+        confidence.albedo.doubt(Doubt::Clipped(share), 1.0 - share);
+    }
+}

@@ -1,0 +1,289 @@
+//! Feather or background.
+
+use super::{
+    background::{Background, hsv_distance, shadow_colour},
+    colour::Lab,
+    raster::Plane,
+};
+use bevy::math::Vec2;
+use image::{GrayImage, Luma};
+use imageproc::{
+    contrast::otsu_level,
+    distance_transform::{Norm, euclidean_squared_distance_transform},
+    morphology,
+    region_labelling::{Connectivity, connected_components},
+};
+
+/// Largest distance to the background that still counts; beyond it all is equally feather.
+const FAR: f32 = 0.6;
+const ON: Luma<u8> = Luma([255]);
+const OFF: Luma<u8> = Luma([0]);
+
+/// A mask and what it was cut from.
+#[derive(Clone, Debug)]
+pub(super) struct Segment {
+    /// 255 on the feather.
+    pub mask: GrayImage,
+    /// Positive on the feather, 0 on its outline to a fraction of a pixel.
+    pub field: Plane,
+    /// 255 on all that is not background, thin lines too.
+    pub loose: GrayImage,
+    /// Areas of the other objects, as shares of the feather's.
+    pub others: Vec<f32>,
+    /// Distance to the background that was asked for.
+    pub threshold: f32,
+    /// Share of the outline that lay in shadow.
+    pub shadow: f32,
+}
+
+fn mask_of(plane: &Plane, on: impl Fn(usize, f32) -> bool) -> GrayImage {
+    GrayImage::from_fn(plane.width as u32, plane.height as u32, |x, y| {
+        let i = y as usize * plane.width + x as usize;
+        if on(i, plane.data[i]) { ON } else { OFF }
+    })
+}
+
+/// Largest component of a mask with its holes filled, and the areas of the others that are at least `least` pixels large.
+pub(super) fn largest(mask: &GrayImage, least: u32) -> (GrayImage, u32, Vec<u32>) {
+    let labels = connected_components(mask, Connectivity::Eight, OFF);
+    let mut areas: Vec<u32> = Vec::new();
+    for label in labels.as_raw() {
+        let label = *label as usize;
+        if label >= areas.len() {
+            areas.resize(label + 1, 0);
+        }
+        areas[label] += 1;
+    }
+    let best = (1..areas.len()).max_by_key(|&i| areas[i]).unwrap_or(0);
+    let area = if best == 0 { 0 } else { areas[best] };
+    let mut kept = GrayImage::from_fn(mask.width(), mask.height(), |x, y| {
+        let on = best > 0 && labels.get_pixel(x, y)[0] as usize == best;
+        if on { ON } else { OFF }
+    });
+    fill_holes(&mut kept);
+    let others = (1..areas.len())
+        .filter(|&i| i != best && areas[i] >= least)
+        .map(|i| areas[i])
+        .collect();
+    (kept, area, others)
+}
+
+/// Fills what is not connected to the frame.
+fn fill_holes(mask: &mut GrayImage) {
+    let (width, height) = mask.dimensions();
+    let inverse = GrayImage::from_fn(width, height, |x, y| Luma([255 - mask.get_pixel(x, y)[0]]));
+    let labels = connected_components(&inverse, Connectivity::Four, OFF);
+    let count = labels.as_raw().iter().copied().max().unwrap_or(0) as usize;
+    let mut open = vec![false; count + 1];
+    for x in 0..width {
+        for y in [0, height - 1] {
+            open[labels.get_pixel(x, y)[0] as usize] = true;
+        }
+    }
+    for y in 0..height {
+        for x in [0, width - 1] {
+            open[labels.get_pixel(x, y)[0] as usize] = true;
+        }
+    }
+    for (pixel, label) in mask.as_mut().iter_mut().zip(labels.as_raw()) {
+        if *label > 0 && !open[*label as usize] {
+            *pixel = 255;
+        }
+    }
+}
+
+/// Components of `low` that hold a pixel of `high`.
+fn hysteresis(low: &GrayImage, high: &GrayImage) -> GrayImage {
+    let labels = connected_components(low, Connectivity::Eight, OFF);
+    let count = labels.as_raw().iter().copied().max().unwrap_or(0) as usize;
+    let mut seeded = vec![false; count + 1];
+    for (label, seed) in labels.as_raw().iter().zip(high.as_raw()) {
+        seeded[*label as usize] |= *seed > 0;
+    }
+    seeded[0] = false;
+    GrayImage::from_fn(low.width(), low.height(), |x, y| {
+        let on = seeded[labels.get_pixel(x, y)[0] as usize];
+        if on { ON } else { OFF }
+    })
+}
+
+/// Takes soft-edged regions of the background's own hue, only darker, out of the mask. Returns how many pixels went.
+fn remove_shadow(mask: &mut GrayImage, lab: &Lab, behind: &[[f32; 3]], far: &Plane) -> u32 {
+    let (width, height) = mask.dimensions();
+    let like_shadow = GrayImage::from_fn(width, height, |x, y| {
+        let i = (y * width + x) as usize;
+        let on = mask.as_raw()[i] > 0 && shadow_colour(lab.at(i), behind[i]);
+        if on { ON } else { OFF }
+    });
+    let total = mask.as_raw().iter().filter(|&&m| m > 0).count() as u32;
+    let labels = connected_components(&like_shadow, Connectivity::Eight, OFF);
+    let count = labels.as_raw().iter().copied().max().unwrap_or(0) as usize;
+    // Area, outer border pixels, sum of edge slope there, of its outer quarter, sum of distance inside.
+    let mut area = vec![0u32; count + 1];
+    let mut rim = vec![0u32; count + 1];
+    let mut slope = vec![0f32; count + 1];
+    let mut depth = vec![0f32; count + 1];
+    for y in 1..height.saturating_sub(1) {
+        for x in 1..width.saturating_sub(1) {
+            let label = labels.get_pixel(x, y)[0] as usize;
+            if label == 0 {
+                continue;
+            }
+            area[label] += 1;
+            depth[label] += far.data[(y * width + x) as usize];
+            let beside = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
+            if beside.iter().any(|&(x, y)| mask.get_pixel(x, y)[0] == 0) {
+                rim[label] += 1;
+                slope[label] += far.gradient(x as usize, y as usize).length();
+            }
+        }
+    }
+    let soft: Vec<bool> = (0..=count)
+        .map(|i| {
+            let big = area[i] > total / 300 + 8 && area[i] < total / 10 * 7;
+            let outside = rim[i] as f32 > 0.15 * (area[i] as f32).sqrt();
+            let sharpness = slope[i] * area[i] as f32 / (rim[i] as f32 * depth[i]).max(1e-6);
+            i > 0 && big && outside && sharpness < 0.16
+        })
+        .collect();
+    let mut gone = 0;
+    for (pixel, label) in mask.as_mut().iter_mut().zip(labels.as_raw()) {
+        if soft[*label as usize] {
+            *pixel = 0;
+            gone += 1;
+        }
+    }
+    gone
+}
+
+/// Cuts the feather out. `open` is the radius below which what sticks out of it is taken off (lines of a grid), `close` that
+/// of gaps which are closed, `band` the width along the outline over which the threshold adapts; `valid` is 0 beyond the photograph.
+pub(super) fn segment(
+    lab: &Lab,
+    background: &Background,
+    place: &dyn Fn(usize, usize) -> Vec2,
+    valid: Option<&Plane>,
+    open: u8,
+    close: u8,
+    band: f32,
+) -> Segment {
+    let (width, height) = (lab.width(), lab.height());
+    let behind: Vec<[f32; 3]> = (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .map(|(x, y)| background.at(place(x, y)))
+        .collect();
+    let inside = |i: usize| valid.is_none_or(|v| v.data[i] > 0.0);
+    let mut far = Plane::new(width, height, 0.0);
+    for (i, value) in far.data.iter_mut().enumerate() {
+        *value = if inside(i) {
+            background.distance(lab.at(i), behind[i]).min(FAR)
+        } else {
+            0.0
+        };
+    }
+
+    // Otsu's threshold over the distances, kept clear of the background's own.
+    let bytes = GrayImage::from_fn(width as u32, height as u32, |x, y| {
+        let value = far.data[y as usize * width + x as usize];
+        Luma([(value / FAR * 255.0) as u8])
+    });
+    let otsu = f32::from(otsu_level(&bytes)) / 255.0 * FAR;
+    let floor = (1.6 * background.most).max(0.028);
+    let high = otsu.clamp(floor.min(0.3), 0.3);
+    let low = floor.min(0.7 * high);
+    // What may be shadow has to differ more.
+    let low_shadow = low.max(0.35 * high);
+    let high_mask = mask_of(&far, |i, value| {
+        value > high
+            && hsv_distance(lab.at(i), behind[i]) > (1.2 * background.most_hsv).clamp(0.04, 0.3)
+    });
+    let low_mask = mask_of(&far, |i, value| {
+        value > low_shadow || (value > low && !shadow_colour(lab.at(i), behind[i]))
+    });
+    let mut mask = hysteresis(&low_mask, &high_mask);
+    let before = mask.as_raw().iter().filter(|&&m| m > 0).count();
+    let gone = remove_shadow(&mut mask, lab, &behind, &far.blur(0.8));
+    let shadow = gone as f32 / before.max(1) as f32;
+    let loose = mask.clone();
+    // Thin lines go first; then closing joins what a stripe of the background's colour parts.
+    if open > 0 {
+        mask = morphology::open(&mask, Norm::L2, open);
+    }
+    mask = morphology::close(&mask, Norm::L2, close);
+    let least = (width * height / 4000).max(12) as u32;
+    let (mut kept, area, others) = largest(&mask, least);
+
+    // Between feather and background the outline runs half way, whatever their contrast there.
+    let mut field = far.map(|value| value - low);
+    if band > 0.0 && area > 0 {
+        let on = Plane::from_fn(width, height, |x, y| {
+            f32::from(u8::from(kept.get_pixel(x as u32, y as u32)[0] > 0))
+        });
+        let usable = Plane::from_fn(width, height, |x, y| {
+            f32::from(u8::from(inside(y * width + x)))
+        });
+        let weigh = |a: &Plane, b: &Plane| a.zip(b, |a, b| a * b);
+        let strong = weigh(&on, &far);
+        let level_in = weigh(&strong, &far)
+            .blur(band)
+            .zip(
+                &strong.blur(band),
+                |a, b| if b > 1e-4 { a / b } else { 0.0 },
+            );
+        let off = on.zip(&usable, |on, usable| (1.0 - on) * usable);
+        let level_out = weigh(&off, &far)
+            .blur(band)
+            .zip(&off.blur(band), |a, b| if b > 1e-3 { a / b } else { 0.0 });
+        let near = on.blur(band);
+        field = Plane::from_fn(width, height, |x, y| {
+            let i = y * width + x;
+            if near.data[i] < 0.002 {
+                return -0.1;
+            }
+            let half = 0.5 * (level_in.data[i] + level_out.data[i]);
+            far.data[i] - half.clamp(low, 0.3)
+        });
+        let near_kept = morphology::dilate(&kept, Norm::L2, 3);
+        let mut refined = mask_of(&field, |i, value| value > 0.0 && near_kept.as_raw()[i] > 0);
+        // Deep inside, a pattern of the background's colour is feather all the same.
+        let core = morphology::erode(&kept, Norm::L2, close.max(3));
+        for (pixel, core) in refined.as_mut().iter_mut().zip(core.as_raw()) {
+            *pixel |= core;
+        }
+        if open > 0 {
+            refined = morphology::open(&refined, Norm::L2, 1);
+        }
+        let (refined, refined_area, _) = largest(&refined, least);
+        // A refinement that loses much of the feather was misled.
+        if refined_area as f32 > 0.6 * area as f32 {
+            kept = refined;
+        }
+    }
+    Segment {
+        mask: kept,
+        field,
+        loose,
+        others: others
+            .iter()
+            .map(|&a| a as f32 / area.max(1) as f32)
+            .collect(),
+        threshold: low,
+        shadow,
+    }
+}
+
+/// How many objects of comparable size a mask holds once bridges between them (narrower than two fifths of the widest) are cut.
+pub(super) fn bodies(mask: &GrayImage) -> usize {
+    let inverse = GrayImage::from_fn(mask.width(), mask.height(), |x, y| {
+        Luma([255 - mask.get_pixel(x, y)[0]])
+    });
+    let distance = euclidean_squared_distance_transform(&inverse);
+    let widest = distance.as_raw().iter().copied().fold(0.0, f64::max).sqrt();
+    let radius = (0.2 * widest).clamp(1.0, 40.0) as u8;
+    let opened = morphology::open(mask, Norm::L2, radius);
+    let (_, area, others) = largest(&opened, 1);
+    1 + others
+        .iter()
+        .filter(|&&other| other as f32 > 0.3 * area as f32)
+        .count()
+}

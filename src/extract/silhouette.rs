@@ -1,0 +1,349 @@
+//! From the photograph to the feather's silhouette in an upright view.
+
+use super::{
+    Confidence, Doubt, ExtractError, ExtractSettings,
+    background::Background,
+    colour::Lab,
+    outline,
+    prepare::{Photo, View, denoise},
+    raster::Plane,
+    segment::{Segment, bodies, largest, segment},
+};
+use bevy::math::Vec2;
+use image::{DynamicImage, GrayImage, Luma, RgbaImage};
+use imageproc::{distance_transform::Norm, morphology};
+
+/// Longest side of the view that finds the feather.
+const OVERVIEW: f32 = 800.0;
+/// Radius of thin lines in it.
+const OVERVIEW_OPEN: u8 = 2;
+/// Points of the refined outline, at most.
+const OUTLINE_POINTS: usize = 4096;
+
+/// The feather upright (its main direction along y), cut out.
+pub(super) struct Silhouette {
+    pub view: View,
+    /// Pixels of the view, as photographed.
+    pub image: RgbaImage,
+    /// The view without noise.
+    pub lab: Lab,
+    pub mask: GrayImage,
+    /// Closed outline in pixels of the view, at equal steps.
+    pub outline: Vec<Vec2>,
+    /// Field that is 0 on the outline.
+    pub field: Plane,
+}
+
+impl Silhouette {
+    /// The same upside down.
+    pub fn turned(mut self) -> Self {
+        let size = Vec2::new(self.view.width as f32, self.view.height as f32);
+        self.view = self.view.turned();
+        image::imageops::rotate180_in_place(&mut self.image);
+        image::imageops::rotate180_in_place(&mut self.mask);
+        for plane in &mut self.lab.planes {
+            plane.data.reverse();
+        }
+        self.field.data.reverse();
+        for point in &mut self.outline {
+            *point = size - *point;
+        }
+        self
+    }
+}
+
+/// Is there an alpha channel that cuts something out?
+fn cut_out(photo: &RgbaImage) -> bool {
+    let mut clear = 0usize;
+    let mut solid = 0usize;
+    for pixel in photo.pixels() {
+        clear += usize::from(pixel[3] < 128);
+        solid += usize::from(pixel[3] >= 128);
+    }
+    clear * 200 > solid && solid * 1000 > clear
+}
+
+fn alpha_segment(image: &RgbaImage) -> Segment {
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let field = Plane::from_fn(width, height, |x, y| {
+        f32::from(image.get_pixel(x as u32, y as u32)[3]) / 255.0 - 0.5
+    });
+    let mask = GrayImage::from_fn(image.width(), image.height(), |x, y| {
+        Luma([if image.get_pixel(x, y)[3] >= 128 {
+            255
+        } else {
+            0
+        }])
+    });
+    let least = (width * height / 4000).max(12) as u32;
+    let (mask, area, others) = largest(&mask, least);
+    Segment {
+        loose: mask.clone(),
+        mask,
+        field,
+        others: others
+            .iter()
+            .map(|&a| a as f32 / area.max(1) as f32)
+            .collect(),
+        threshold: 0.5,
+        shadow: 0.0,
+    }
+}
+
+/// Colours along the frame with their places, -1..1.
+fn ring(lab: &Lab) -> Vec<(Vec2, [f32; 3])> {
+    let (width, height) = (lab.width(), lab.height());
+    let thick = (width.min(height) / 40).clamp(2, 12);
+    let mut samples = Vec::new();
+    for y in 0..height {
+        for x in 0..width {
+            let edge = x.min(width - 1 - x).min(y.min(height - 1 - y));
+            if edge < thick && (x + y) % 2 == 0 {
+                samples.push((place(x, y, width, height), lab.at(y * width + x)));
+            }
+        }
+    }
+    samples
+}
+
+fn place(x: usize, y: usize, width: usize, height: usize) -> Vec2 {
+    Vec2::new(
+        (x as f32 + 0.5) / width as f32 * 2.0 - 1.0,
+        (y as f32 + 0.5) / height as f32 * 2.0 - 1.0,
+    )
+}
+
+/// The background from the frame first, then from all that is not feather.
+fn find_background(lab: &Lab) -> (Background, Segment) {
+    let (width, height) = (lab.width(), lab.height());
+    let at = |x, y| place(x, y, width, height);
+    let ring = ring(lab);
+    let mut background = Background::fit(&ring, None);
+    background.find_lines(&ring);
+    let mut found = segment(lab, &background, &at, None, OVERVIEW_OPEN, 2, 0.0);
+    for _ in 0..2 {
+        let near = morphology::dilate(&found.mask, Norm::L2, 6);
+        let step = (width * height / 40_000).max(1);
+        let samples: Vec<_> = (0..width * height)
+            .step_by(step)
+            .filter(|&i| near.as_raw()[i] == 0)
+            .map(|i| (at(i % width, i / width), lab.at(i)))
+            .collect();
+        if samples.len() * step * 10 < width * height {
+            break;
+        }
+        background = Background::fit(&samples, Some(&background));
+        found = segment(lab, &background, &at, None, OVERVIEW_OPEN, 2, 0.0);
+    }
+    (background, found)
+}
+
+/// Middle and main direction of a mask, and its extent along and across, in pixels.
+fn principal(mask: &GrayImage) -> Option<(Vec2, Vec2)> {
+    let (mut count, mut sum) = (0.0f64, [0.0f64; 2]);
+    let mut squares = [0.0f64; 3];
+    for (x, y, pixel) in mask.enumerate_pixels() {
+        if pixel[0] > 0 {
+            let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+            count += 1.0;
+            sum = [sum[0] + x, sum[1] + y];
+            squares = [squares[0] + x * x, squares[1] + x * y, squares[2] + y * y];
+        }
+    }
+    if count < 1.0 {
+        return None;
+    }
+    let (mx, my) = (sum[0] / count, sum[1] / count);
+    let (xx, xy, yy) = (
+        squares[0] / count - mx * mx,
+        squares[1] / count - mx * my,
+        squares[2] / count - my * my,
+    );
+    let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
+    Some((
+        Vec2::new(mx as f32, my as f32),
+        Vec2::from_angle(angle as f32),
+    ))
+}
+
+/// Finds the feather, turns the view upright and cuts it out anew at the resolution asked for.
+pub(super) fn silhouette(
+    photograph: &DynamicImage,
+    settings: &ExtractSettings,
+    confidence: &mut Confidence,
+) -> Result<Silhouette, ExtractError> {
+    let size = Vec2::new(photograph.width() as f32, photograph.height() as f32);
+    let longest = size.max_element();
+    let overview = Photo::reduced(photograph, OVERVIEW);
+    let enlarge = (OVERVIEW / longest).clamp(1.0, 2.0);
+    let whole = View {
+        origin: Vec2::ZERO,
+        axis: Vec2::X,
+        scale: overview.step.x.max(overview.step.y) / enlarge,
+        width: (overview.image.width() as f32 * enlarge).round() as usize,
+        height: (overview.image.height() as f32 * enlarge).round() as usize,
+    };
+    let (image, _) = overview.look(&whole);
+    let by_alpha = settings.use_alpha && cut_out(&image);
+    let (background, found) = if by_alpha {
+        (None, alpha_segment(&image))
+    } else {
+        let (background, found) = find_background(&Lab::of(&denoise(&image)));
+        (Some(background), found)
+    };
+    let area = found.mask.as_raw().iter().filter(|&&m| m > 0).count();
+    let share = area as f32 / (whole.width * whole.height) as f32;
+    if area < 60 || share < 0.001 {
+        return Err(ExtractError::NoFeather {
+            reason: "nothing stands out from the background".to_owned(),
+        });
+    }
+    if share > 0.93 && !by_alpha {
+        return Err(ExtractError::NoFeather {
+            reason: "no background around it".to_owned(),
+        });
+    }
+    let rivals = found.others.iter().filter(|&&share| share > 0.3).count();
+    let count = rivals + bodies(&found.mask);
+    if count > 1 {
+        return Err(ExtractError::SeveralObjects { count });
+    }
+    let beside = found.others.iter().filter(|&&share| share > 0.01).count() as u32;
+    if beside > 0 {
+        let worst = found.others.iter().copied().fold(0.0, f32::max);
+        confidence
+            .one_feather
+            .doubt(Doubt::OtherObjects(beside), 1.0 - worst.min(0.5));
+    }
+
+    // Upright view around what was found.
+    let (_, along) = principal(&found.mask).unwrap_or((Vec2::ZERO, Vec2::Y));
+    // The view's x axis; its y axis is then `along`, which shall point down the screen.
+    let along = if along.y < 0.0 { -along } else { along };
+    let axis = -along.perp();
+    let corners: Vec<Vec2> = outline::border(&found.mask)
+        .into_iter()
+        .map(|p| whole.photo(p))
+        .collect();
+    let extent = |direction: Vec2| {
+        corners.iter().fold((f32::MAX, f32::MIN), |(low, high), p| {
+            let at = p.dot(direction);
+            (low.min(at), high.max(at))
+        })
+    };
+    let ((x0, x1), (mut y0, mut y1)) = (extent(axis), extent(along));
+    // The quill may be as thin as a line: look for it straight on from both ends.
+    let room = 0.3 * (x1 - x0) + 0.04 * (y1 - y0);
+    for (x, y, pixel) in found.loose.enumerate_pixels() {
+        let p = whole.photo(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
+        if pixel[0] > 0 && (x0 - room..x1 + room).contains(&p.dot(axis)) {
+            (y0, y1) = (y0.min(p.dot(along)), y1.max(p.dot(along)));
+        }
+    }
+    let (across, long) = (x1 - x0, y1 - y0);
+    let (side, end) = (0.10 * across + 0.02 * long + 4.0, 0.05 * long + 4.0);
+    let scale = ((long + 2.0 * end).max(across + 2.0 * side) / settings.resolution as f32).max(0.5);
+    let view = View {
+        origin: axis * (x0 - side) + along * (y0 - end),
+        axis,
+        scale,
+        width: ((across + 2.0 * side) / scale).ceil().max(8.0) as usize,
+        height: ((long + 2.0 * end) / scale).ceil().max(8.0) as usize,
+    };
+    let photo = Photo::reduced(photograph, 1.2 * longest / scale);
+    let (image, valid) = photo.look(&view);
+    let lab = Lab::of(&denoise(&image));
+    let cut = match &background {
+        None => alpha_segment(&image),
+        Some(background) => {
+            let at = |x: usize, y: usize| {
+                let p = view.photo(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
+                p / size * 2.0 - 1.0
+            };
+            let length = long / scale;
+            let open = (length / 500.0).round().clamp(1.0, 3.0) as u8;
+            let close = (length / 200.0).round().clamp(2.0, 8.0) as u8;
+            let band = (long / scale * 0.012).clamp(2.5, 16.0);
+            segment(&lab, background, &at, Some(&valid), open, close, band)
+        }
+    };
+    let points = outline::refine(&outline::border(&cut.mask), &cut.field, 2.5);
+    if points.len() < 32 {
+        return Err(ExtractError::NoFeather {
+            reason: "the object found has too few pixels".to_owned(),
+        });
+    }
+    let count = (outline::length(&points) as usize).clamp(256, OUTLINE_POINTS);
+    let outline = outline::resample(&points, count, true);
+    judge(
+        &cut,
+        &view,
+        size,
+        &outline,
+        background.as_ref(),
+        long,
+        confidence,
+    );
+    Ok(Silhouette {
+        view,
+        image,
+        lab,
+        mask: cut.mask,
+        outline,
+        field: cut.field,
+    })
+}
+
+/// Notes what makes the outline doubtful.
+fn judge(
+    cut: &Segment,
+    view: &View,
+    size: Vec2,
+    outline: &[Vec2],
+    background: Option<&Background>,
+    long: f32,
+    confidence: &mut Confidence,
+) {
+    let trust = &mut confidence.contour;
+    if let Some(background) = background {
+        let inside = cut.field.data.iter().zip(cut.mask.as_raw());
+        let mut levels: Vec<f32> = inside
+            .filter(|(_, m)| **m > 0)
+            .map(|(f, _)| f + cut.threshold)
+            .collect();
+        let level = super::raster::quantile(&mut levels, 0.25);
+        let ratio = level / background.most.max(0.004);
+        if ratio < 4.0 {
+            trust.doubt(Doubt::LowContrast(ratio), (ratio / 4.0).max(0.2));
+        }
+        if background.most > 0.06 {
+            let factor = (0.06 / background.most).sqrt();
+            trust.doubt(Doubt::UnevenBackground(background.most), factor);
+        }
+        if cut.shadow > 0.03 {
+            trust.doubt(Doubt::Shadow(cut.shadow), 1.0 - cut.shadow.min(0.6));
+        }
+    }
+    let margin = 1.5 * view.scale.max(1.0);
+    let touching = outline
+        .iter()
+        .filter(|p| {
+            let p = view.photo(**p);
+            p.min(size - p).min_element() < margin
+        })
+        .count();
+    let cut_length = touching as f32 * super::outline::length(outline) / outline.len() as f32
+        * view.scale
+        / long.max(1.0);
+    if cut_length > 0.005 {
+        confidence.one_feather.doubt(
+            Doubt::CutByFrame(cut_length),
+            (1.0 - 2.0 * cut_length).max(0.1),
+        );
+    }
+    if long < 200.0 {
+        confidence
+            .contour
+            .doubt(Doubt::FewPixels(long), (long / 200.0).sqrt());
+    }
+}
