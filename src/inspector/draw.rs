@@ -4,7 +4,7 @@ use super::{
     command::Command,
     fields::Fields,
     panels::{
-        FeatherPanel, GroomPanel, Sample, Statistics, Tool, Toolbar, feather_panel, groom_panel,
+        FeatherPanel, GroomPanel, Sample, Statistics, Tool, feather_panel, groom_panel,
         quality_panel, statistics_panel, toolbar,
     },
     pick::Picked,
@@ -57,6 +57,9 @@ pub struct Inspector {
     pub groom_panel: GroomPanel,
     /// The last frames.
     pub statistics: Statistics,
+    /// Photographs that become feathers.
+    #[cfg(feature = "extract")]
+    pub photos: super::photo::Photos,
     fields: Fields,
     assets: PathBuf,
     gesture: u64,
@@ -76,6 +79,8 @@ impl Inspector {
             feather_panel: FeatherPanel::default(),
             groom_panel: GroomPanel::default(),
             statistics: Statistics::default(),
+            #[cfg(feature = "extract")]
+            photos: super::photo::Photos::default(),
             fields: Fields::default(),
             assets,
             gesture: 0,
@@ -297,14 +302,24 @@ fn choose_bird(ui: &mut egui::Ui, inspector: &mut Inspector, world: &World) {
         });
 }
 
-/// The feathers that the bird wears.
-fn worn(inspector: &Inspector, world: &World) -> Vec<Handle<Feather>> {
-    world
+/// The feathers to choose from: those that the bird wears, and those from photographs.
+fn choices(inspector: &Inspector, world: &World) -> Vec<Handle<Feather>> {
+    #[allow(unused_mut, reason = "photographs need a feature")]
+    let mut choices = world
         .cards
         .iter()
         .find(|worn| Some(worn.owner) == inspector.bird)
         .map(|worn| worn.feathers.clone())
-        .unwrap_or_default()
+        .unwrap_or_default();
+    #[cfg(feature = "extract")]
+    choices.extend(
+        inspector
+            .photos
+            .done
+            .iter()
+            .map(|photo| photo.feather.clone()),
+    );
+    choices
 }
 
 fn file_of(
@@ -317,7 +332,7 @@ fn file_of(
 }
 
 fn feather_tab(ui: &mut egui::Ui, inspector: &mut Inspector, world: &mut World) {
-    let worn = worn(inspector, world);
+    let worn = choices(inspector, world);
     if inspector
         .feather
         .is_none_or(|id| !worn.iter().any(|feather| feather.id() == id))
@@ -533,15 +548,5 @@ fn shortcuts(context: &egui::Context, inspector: &mut Inspector, world: &World) 
         }
     } else if let Some(id) = inspector.feather {
         inspector.feathers.run(id, command, &folder, None, gesture);
-    }
-}
-
-impl Toolbar {
-    /// A bar that says this.
-    pub fn saying(message: Result<String, String>) -> Self {
-        Self {
-            message: Some(message),
-            ..Self::default()
-        }
     }
 }

@@ -11,6 +11,7 @@
 //! | `draw` | puts the panels on the screen and their edits into the assets |
 //! | `pick`, `skin` | which feather, and which place on the skin, is under the pointer |
 //! | `stroke` | draws and moves guides, paints density and length |
+//! | `photo` | a photograph dropped on the window becomes a feather (feature `extract`) |
 //! | `preview` | one feather alone, with a cursor that reads its coverage |
 
 mod command;
@@ -19,6 +20,8 @@ mod draw;
 mod fields;
 mod history;
 mod panels;
+#[cfg(feature = "extract")]
+mod photo;
 mod pick;
 mod preview;
 mod session;
@@ -34,6 +37,8 @@ pub use panels::{
     FeatherPanel, GroomPanel, Part, Sample, Statistics, Tool, Toolbar, feather_panel, groom_panel,
     lobe_plot, pattern_editor, quality_panel, statistics_panel, toolbar,
 };
+#[cfg(feature = "extract")]
+pub use photo::{Photo, Photos, photo_panel};
 pub use pick::{Picked, pick_card};
 pub use session::Session;
 
@@ -80,6 +85,8 @@ impl Plugin for PlumageInspectorPlugin {
                 ),
             )
             .add_systems(EguiPrimaryContextPass, draw::draw);
+        #[cfg(feature = "extract")]
+        app.add_systems(Update, photo::follow_photos);
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
             // Without its `bevy_ui` feature bevy_egui leaves its pass and tone mapping in no order, and cameras with HDR lose
             // the panels.
