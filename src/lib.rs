@@ -29,6 +29,9 @@ pub mod curves;
 #[cfg(feature = "extract")]
 pub mod extract;
 pub mod groom;
+#[cfg(feature = "inspector")]
+pub mod inspector;
+pub mod parameter;
 pub mod query;
 pub mod render;
 pub mod scattering;

@@ -7,6 +7,7 @@ use bevy::{
     input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll},
     prelude::*,
 };
+use bevy_egui::input::EguiWantsInput;
 
 /// A shot: what it looks at and from where; the lens is the vertical field of view in degrees.
 #[derive(Clone, Copy, Debug)]
@@ -116,8 +117,17 @@ fn turn_by_mouse(
     buttons: Option<Res<ButtonInput<MouseButton>>>,
     motion: Option<Res<AccumulatedMouseMotion>>,
     scroll: Option<Res<AccumulatedMouseScroll>>,
+    panels: Option<Res<EguiWantsInput>>,
+    #[cfg(feature = "inspector")] inspector: Option<Res<bevy_plumage::inspector::Inspector>>,
     mut cameras: Query<(&mut Transform, &Orbit)>,
 ) {
+    if panels.is_some_and(|panels| panels.wants_any_pointer_input()) {
+        return;
+    }
+    #[cfg(feature = "inspector")]
+    if inspector.is_some_and(|inspector| inspector.takes_drags()) {
+        return;
+    }
     let (Some(buttons), Some(motion), Some(scroll)) = (buttons, motion, scroll) else {
         return;
     };

@@ -5,7 +5,7 @@
 //! `x = (u - F_P(v)) * aspect`, `y = v`, with the rachis on `x = 0` (the paper's map M of Table 1 puts it on 0.5 and has no
 //! aspect). Left is `x < 0`. Every length below whose unit is not named is in feather lengths.
 
-use crate::scattering::Optics;
+use crate::{parameter::Parameter, scattering::Optics};
 use bevy::{
     asset::{Asset, Handle},
     image::Image,
@@ -22,8 +22,10 @@ pub struct Feather {
     /// Name shown to people, e.g. `primary`.
     pub name: String,
     /// Length from skin to tip in millimetres; the physical scale of every other length.
+    #[reflect(@Parameter::new("mm", 0.1, 5000.0).logarithmic())]
     pub length_mm: f32,
     /// Width over length of the UV rectangle, 0.01..2.
+    #[reflect(@Parameter::new("", 0.01, 2.0).logarithmic())]
     pub aspect: f32,
     /// Outline P.
     pub contour: Contour,
@@ -55,6 +57,7 @@ pub struct Feather {
 #[serde(deny_unknown_fields)]
 pub struct Contour {
     /// Height where the vane begins (above it the calamus is bare), 0..0.9.
+    #[reflect(@Parameter::new("", 0.0, 0.9))]
     pub start: f32,
     /// Reach of the left barbs, 2..1024 values.
     pub left: Vec<f32>,
@@ -77,18 +80,23 @@ pub struct Rachis {
 #[serde(deny_unknown_fields)]
 pub struct Vane {
     /// N_b: barbs per feather length along the rachis, 4..5000.
+    #[reflect(@Parameter::new("per length", 4.0, 5000.0).logarithmic())]
     pub barb_count: f32,
     /// alpha_b: angle between barb and rachis in degrees, 5..85.
+    #[reflect(@Parameter::degrees(5.0, 85.0))]
     pub barb_angle: f32,
     /// r_b in micrometres.
+    #[reflect(@Parameter::new("\u{b5}m", 0.1, 2000.0).logarithmic())]
     pub barb_radius_um: f32,
     /// Barbules of both families.
     pub barbules: Barbules,
     /// Share of the barb's outer end whose barbules do not hook (a frayed rim), 0..1.
     #[serde(default)]
+    #[reflect(@Parameter::share())]
     pub fringe: f32,
     /// Share of the feather's length, from the base, that is down (barbules do not hook), 0..1.
     #[serde(default)]
+    #[reflect(@Parameter::share())]
     pub downy: f32,
 }
 
@@ -97,12 +105,16 @@ pub struct Vane {
 #[serde(deny_unknown_fields)]
 pub struct Barbules {
     /// d_bl: spacing along the barb in micrometres.
+    #[reflect(@Parameter::new("\u{b5}m", 1.0, 5000.0).logarithmic())]
     pub spacing_um: f32,
     /// alpha_bl: angle between barbule and barb in degrees, 10..80.
+    #[reflect(@Parameter::degrees(10.0, 80.0))]
     pub angle: f32,
     /// r_bd in micrometres.
+    #[reflect(@Parameter::new("\u{b5}m", 0.05, 500.0).logarithmic())]
     pub distal_radius_um: f32,
     /// r_bp in micrometres.
+    #[reflect(@Parameter::new("\u{b5}m", 0.05, 500.0).logarithmic())]
     pub proximal_radius_um: f32,
 }
 
@@ -111,10 +123,13 @@ pub struct Barbules {
 #[serde(default, deny_unknown_fields)]
 pub struct Gaps {
     /// K: number of splits per feather, 0..64.
+    #[reflect(@Parameter::new("", 0.0, 64.0))]
     pub count: u32,
     /// sigma_k: width of a split, in feather lengths, 0..0.2.
+    #[reflect(@Parameter::new("lengths", 0.0, 0.2))]
     pub width: f32,
     /// A_k: how far a split goes in along the barb, as a share of the barb, 0..1.
+    #[reflect(@Parameter::share())]
     pub depth: f32,
     /// Seed of the noise.
     pub seed: u32,
@@ -153,10 +168,13 @@ pub struct Albedo {
 #[serde(default, deny_unknown_fields)]
 pub struct ColourShare {
     /// Of the shaft.
+    #[reflect(@Parameter::new("", 0.0, 4.0))]
     pub rachis: f32,
     /// Of the barbs.
+    #[reflect(@Parameter::new("", 0.0, 4.0))]
     pub barb: f32,
     /// Of both families of barbules.
+    #[reflect(@Parameter::new("", 0.0, 4.0))]
     pub barbule: f32,
 }
 
@@ -182,6 +200,7 @@ pub struct Pattern {
     /// Cross bars: (count along v, colour, share of the period they fill 0..1, waviness 0..1).
     pub bars: Option<(f32, [f32; 3], f32, f32)>,
     /// Fine mottling: amplitude of the value noise, 0..1.
+    #[reflect(@Parameter::share())]
     pub mottle: f32,
 }
 

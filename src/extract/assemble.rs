@@ -304,7 +304,7 @@ fn redrawn(
         .chain((0..=steps).rev().map(|i| side(1.0, i)))
         .collect();
     let shaft = outline::fill(&quill, width, height);
-    for (a, b) in mask.as_mut().iter_mut().zip(shaft.as_raw()) {
+    for (a, b) in mask.iter_mut().zip(shaft.as_raw()) {
         *a |= b;
     }
     mask

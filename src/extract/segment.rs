@@ -87,7 +87,7 @@ fn fill_holes(mask: &mut GrayImage) {
             open[labels.get_pixel(x, y)[0] as usize] = true;
         }
     }
-    for (pixel, label) in mask.as_mut().iter_mut().zip(labels.as_raw()) {
+    for (pixel, label) in mask.iter_mut().zip(labels.as_raw()) {
         if *label > 0 && !open[*label as usize] {
             *pixel = 255;
         }
@@ -149,7 +149,7 @@ fn remove_shadow(mask: &mut GrayImage, lab: &Lab, behind: &[[f32; 3]], far: &Pla
         })
         .collect();
     let mut gone = 0;
-    for (pixel, label) in mask.as_mut().iter_mut().zip(labels.as_raw()) {
+    for (pixel, label) in mask.iter_mut().zip(labels.as_raw()) {
         if soft[*label as usize] {
             *pixel = 0;
             gone += 1;
@@ -249,7 +249,7 @@ pub(super) fn segment(
         let mut refined = mask_of(&field, |i, value| value > 0.0 && near_kept.as_raw()[i] > 0);
         // Deep inside, a pattern of the background's colour is feather all the same.
         let core = morphology::erode(&kept, Norm::L2, close.max(3));
-        for (pixel, core) in refined.as_mut().iter_mut().zip(core.as_raw()) {
+        for (pixel, core) in refined.iter_mut().zip(core.as_raw()) {
             *pixel |= core;
         }
         if open > 0 {

@@ -4,6 +4,7 @@
 //! bird's left), in units of `unit` metres. Left and right: data is given for the left half; `mirror` repeats it with x negated
 //! and joint names' `_L` turned into `_R`.
 
+use crate::parameter::Parameter;
 use bevy::{asset::Asset, reflect::Reflect};
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +26,47 @@ pub struct Groom {
     pub guides: Vec<Guide>,
     /// Rows of feathers on bones: remiges, rectrices and their coverts.
     pub rows: Vec<Row>,
+    /// Touches of a brush on the skin, laid over each other.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub paint: Vec<Dab>,
+}
+
+/// One touch of a brush: factors on number and length of the feathers around a point, full in the middle, none at the rim.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Dab {
+    /// Middle, near the skin.
+    pub at: [f32; 3],
+    /// Distance at which it ends; above 0.
+    pub radius: f32,
+    /// Factor on the number of feathers, 0..4 (1 leaves it).
+    pub density: f32,
+    /// Factor on their length, 0.05..4 (1 leaves it).
+    pub length: f32,
+}
+
+impl Dab {
+    /// How much of the dab is felt at a point, 0..1.
+    pub fn weight(&self, point: [f32; 3]) -> f32 {
+        let square: f32 = point
+            .iter()
+            .zip(self.at)
+            .map(|(a, b)| (a - b) * (a - b))
+            .sum();
+        let rest = 1.0 - square / (self.radius * self.radius).max(1.0e-12);
+        if rest > 0.0 { rest * rest } else { 0.0 }
+    }
+}
+
+/// Factors on number and length that all dabs leave at a point.
+pub fn painted(dabs: &[Dab], point: [f32; 3]) -> (f32, f32) {
+    dabs.iter().fold((1.0, 1.0), |(density, length), dab| {
+        let weight = dab.weight(point);
+        (
+            density * (1.0 + weight * (dab.density - 1.0)),
+            length * (1.0 + weight * (dab.length - 1.0)),
+        )
+    })
 }
 
 impl Groom {
@@ -79,18 +121,25 @@ pub enum Placement {
 #[serde(default, deny_unknown_fields)]
 pub struct Jitter {
     /// Relative length.
+    #[reflect(@Parameter::new("", 0.0, 0.25))]
     pub length: f32,
     /// Relative width.
+    #[reflect(@Parameter::new("", 0.0, 0.25))]
     pub width: f32,
     /// Degrees about the normal.
+    #[reflect(@Parameter::degrees(0.0, 45.0))]
     pub yaw: f32,
     /// Degrees about the rachis.
+    #[reflect(@Parameter::degrees(0.0, 45.0))]
     pub roll: f32,
     /// Degrees of lift.
+    #[reflect(@Parameter::degrees(0.0, 45.0))]
     pub lift: f32,
     /// Hue, degrees.
+    #[reflect(@Parameter::degrees(0.0, 180.0))]
     pub hue: f32,
     /// Value, relative.
+    #[reflect(@Parameter::new("", 0.0, 0.25))]
     pub value: f32,
 }
 
@@ -123,6 +172,7 @@ pub struct Region {
     /// Feather worn: index into [`Groom::feathers`].
     pub feather: u16,
     /// Number of feathers at density 1, both sides of the bird together.
+    #[reflect(@Parameter::new("feathers", 0.0, 200000.0))]
     pub count: u32,
     /// How they are placed.
     pub placement: Placement,
@@ -131,12 +181,16 @@ pub struct Region {
     /// Width of a feather.
     pub width: Span,
     /// Angle of the rachis to the skin at the root, degrees.
+    #[reflect(@Parameter::degrees(-30.0, 89.0))]
     pub lift: Span,
     /// Sagitta over width of the cross-section, 0..0.5.
+    #[reflect(@Parameter::new("", 0.0, 0.5))]
     pub camber: f32,
     /// Bend along the rachis, degrees; positive: tip towards the body.
+    #[reflect(@Parameter::degrees(-180.0, 180.0))]
     pub curl: f32,
     /// How far the card leaves the skin's curve for its own straight line, 0 (drapes) to 1 (stiff).
+    #[reflect(@Parameter::share())]
     pub stiffness: f32,
     /// Layer key: of two regions that grow side by side the higher lies over the lower. Feathers rooted up the lay lie over those
     /// that they point to, in a region and across its border (see [`super::order`]).
@@ -202,10 +256,13 @@ pub struct Row {
     #[serde(default)]
     pub handed: bool,
     /// Angle to the row's plane, degrees.
+    #[reflect(@Parameter::degrees(-89.0, 89.0))]
     pub lift: Span,
     /// Sagitta over width, 0..0.5.
+    #[reflect(@Parameter::new("", 0.0, 0.5))]
     pub camber: f32,
     /// Bend along the rachis, degrees; positive: tip towards the body.
+    #[reflect(@Parameter::degrees(-180.0, 180.0))]
     pub curl: f32,
     /// Layer key of the first and the last feather.
     pub layer: Span,

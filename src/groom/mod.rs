@@ -31,7 +31,9 @@ pub mod select;
 pub mod skin;
 mod validate;
 
-pub use asset::{Groom, Guide, Jitter, Placement, Region, Row, Select, Span, Station, Tint};
+pub use asset::{
+    Dab, Groom, Guide, Jitter, Placement, Region, Row, Select, Span, Station, Tint, painted,
+};
 pub use build::{Bird, Coat, groom_bird};
 pub use card::{Card, CardGeometry};
 pub use error::GroomError;

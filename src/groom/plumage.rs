@@ -9,7 +9,10 @@ use super::{
     loader::GroomLoader,
     skin::SkinMesh,
 };
-use crate::anatomy::{Feather, presets};
+use crate::{
+    anatomy::{Feather, presets},
+    parameter::Parameter,
+};
 use bevy::{
     app::{App, Plugin, PostUpdate, Update},
     asset::{AssetApp, AssetEvent, AssetServer, Assets, Handle, LoadState},
@@ -43,6 +46,7 @@ pub struct Plumage {
     /// Seed of everything random: the same seed gives the same bird.
     pub seed: u64,
     /// Number of scattered feathers relative to the groom's own, 0.01..16; their size follows, so that cover stays.
+    #[reflect(@Parameter::new("", 0.01, 16.0).logarithmic())]
     pub density: f32,
 }
 

@@ -9,6 +9,9 @@ const MAX_COUNT: u32 = 200_000;
 /// Most vertices of all cards together: 4 million take about 300 MB while they are made.
 const MAX_VERTICES: f64 = 4.0e6;
 
+/// Most touches of the brush.
+const MAX_DABS: usize = 10_000;
+
 /// Collects the path of a field while the asset is walked, and turns the first bad value into an error.
 struct Check<'a> {
     file: &'a str,
@@ -290,6 +293,16 @@ impl Groom {
         }
         for (i, row) in self.rows.iter().enumerate() {
             check.row(&format!("rows[{i}]"), row, self.feathers.len())?;
+        }
+        if self.paint.len() > MAX_DABS {
+            let found = format!("{} dabs", self.paint.len());
+            return check.fail("paint".into(), found, format!("0..={MAX_DABS} dabs"));
+        }
+        for (i, dab) in self.paint.iter().enumerate() {
+            check.finite(format!("paint[{i}].at"), &dab.at)?;
+            check.within(format!("paint[{i}].radius"), dab.radius, 1.0e-6, 1.0e6)?;
+            check.within(format!("paint[{i}].density"), dab.density, 0.0, 4.0)?;
+            check.within(format!("paint[{i}].length"), dab.length, 0.05, 4.0)?;
         }
         self.check_size(file, 1.0)
     }

@@ -1,6 +1,7 @@
 //! [`FeatherMaterial`]: the look bound to the GPU.
 
 use super::specialize;
+use crate::parameter::Parameter;
 use crate::query::ErrorBudget;
 use crate::shaders::{FEATHER, FEATHER_PREPASS, FEATHER_VERTEX};
 use bevy::{
@@ -85,11 +86,14 @@ pub enum DebugView {
 pub struct FeatherSettings {
     /// Largest error of coverage that a cheaper evaluator may bring, 0.0005..0.05 (half an 8-bit step, 1/510). One number sets the
     /// thresholds of the LOD and how finely near footprints are resolved.
+    #[reflect(@Parameter::new("", 0.0005, 0.05).logarithmic())]
     pub error_budget: f32,
     /// Strength of the light that reaches a feather through its neighbours, 0..1: scattered light between feathers (0.5).
+    #[reflect(@Parameter::share())]
     pub multiple_scattering: f32,
     /// Share of the sky that the feathers above hide at a feather's root, 0..1 (0.55); falls to nothing towards the tip. 0 for a
     /// feather on its own.
+    #[reflect(@Parameter::share())]
     pub shelter: f32,
     /// Vary the alpha by a fixed pattern before it becomes MSAA samples, so that its mean is right.
     pub dither: bool,
@@ -98,6 +102,7 @@ pub struct FeatherSettings {
     /// How coverage is found.
     pub coverage_method: CoverageMethod,
     /// Samples of the environment map per pixel, 0..1024, by importance; 0 (default) takes Bevy's prefiltered maps instead.
+    #[reflect(@Parameter::new("", 0.0, 1024.0))]
     pub environment_samples: u32,
 }
 

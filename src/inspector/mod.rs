@@ -1,0 +1,97 @@
+//! The material inspector and groom editor (feature `inspector`).
+//!
+//! Add [`PlumageInspectorPlugin`] to any app that has [`PlumagePlugins`](crate::plugin::PlumagePlugins); it brings `EguiPlugin`
+//! if the app has none. F12 hides and shows it.
+//!
+//! | file | what |
+//! |---|---|
+//! | `fields` | widgets from reflection: unit, range and tooltip of every field |
+//! | `document`, `history`, `session` | what is edited: undo, files, conflicts; no window needed |
+//! | `panels` | functions of a `Ui` and plain data |
+//! | `draw` | puts the panels on the screen and their edits into the assets |
+//! | `pick`, `skin` | which feather, and which place on the skin, is under the pointer |
+//! | `stroke` | draws and moves guides, paints density and length |
+//! | `photo` | a photograph dropped on the window becomes a feather (feature `extract`) |
+//! | `preview` | one feather alone, with a cursor that reads its coverage |
+
+mod command;
+mod document;
+mod draw;
+mod fields;
+mod history;
+mod panels;
+#[cfg(feature = "extract")]
+mod photo;
+mod pick;
+mod preview;
+mod session;
+mod skin;
+mod stroke;
+
+pub use command::Command;
+pub use document::{Document, DocumentError, Editable};
+pub use draw::{Inspector, Tab};
+pub use fields::Fields;
+pub use history::History;
+pub use panels::{
+    FeatherPanel, GroomPanel, Part, Sample, Statistics, Tool, Toolbar, feather_panel, groom_panel,
+    lobe_plot, pattern_editor, quality_panel, statistics_panel, toolbar,
+};
+#[cfg(feature = "extract")]
+pub use photo::{Photo, Photos, photo_panel};
+pub use pick::{Picked, pick_card};
+pub use session::Session;
+
+use bevy::{
+    asset::io::file::FileAssetReader,
+    core_pipeline::{Core3d, Core3dSystems},
+    prelude::*,
+    render::RenderApp,
+};
+use bevy_egui::{EguiPlugin, EguiPrimaryContextPass, render::egui_pass};
+use std::path::PathBuf;
+
+/// Shows and edits every parameter of the feathers, the groom and the quality of the birds in an app.
+#[derive(Clone, Debug)]
+pub struct PlumageInspectorPlugin {
+    /// Folder of the assets on disk, for saving and loading.
+    pub assets: PathBuf,
+}
+
+impl Default for PlumageInspectorPlugin {
+    /// The folder `assets` where Bevy looks for it by default.
+    fn default() -> Self {
+        Self {
+            assets: FileAssetReader::get_base_path().join("assets"),
+        }
+    }
+}
+
+impl Plugin for PlumageInspectorPlugin {
+    fn build(&self, app: &mut App) {
+        if !app.is_plugin_added::<EguiPlugin>() {
+            app.add_plugins(EguiPlugin::default());
+        }
+        app.insert_resource(Inspector::new(self.assets.clone()))
+            .init_resource::<preview::Preview>()
+            .add_systems(
+                Update,
+                (
+                    draw::measure,
+                    draw::follow_files,
+                    pick::pick_by_mouse,
+                    stroke::stroke_by_mouse,
+                    preview::update_preview,
+                ),
+            )
+            .add_systems(EguiPrimaryContextPass, draw::draw);
+        #[cfg(feature = "extract")]
+        app.add_systems(Update, photo::follow_photos);
+        if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+            // Without its `bevy_ui` feature bevy_egui leaves its pass and tone mapping in no order, and cameras with HDR lose
+            // the panels.
+            let between = (|| {}).after(Core3dSystems::PostProcess).before(egui_pass);
+            render_app.add_systems(Core3d, between);
+        }
+    }
+}

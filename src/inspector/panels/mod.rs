@@ -1,0 +1,17 @@
+//! The panels. Each is a function of an `egui::Ui` and plain data, so that it can be tested without a window.
+
+mod colour;
+mod feather;
+mod groom;
+mod lobes;
+mod quality;
+mod statistics;
+mod toolbar;
+
+pub use colour::pattern_editor;
+pub use feather::{FeatherPanel, Part, feather_panel};
+pub use groom::{GroomPanel, Tool, groom_panel};
+pub use lobes::lobe_plot;
+pub use quality::quality_panel;
+pub use statistics::{Sample, Statistics, statistics_panel};
+pub use toolbar::{Toolbar, toolbar};

@@ -1,0 +1,151 @@
+//! What is open: documents of feathers and grooms, and what commands do to them.
+
+use super::{
+    command::Command,
+    document::{Document, DocumentError, Editable},
+    panels::Toolbar,
+};
+use bevy::{
+    asset::{Asset, AssetId},
+    platform::collections::HashMap,
+};
+use std::path::{Path, PathBuf};
+
+/// Documents of one kind of asset.
+#[derive(Debug)]
+pub struct Session<A: Asset> {
+    documents: HashMap<AssetId<A>, Document<A>>,
+    /// The bar above the panel.
+    pub toolbar: Toolbar,
+}
+
+impl<A: Asset> Default for Session<A> {
+    fn default() -> Self {
+        Self {
+            documents: HashMap::default(),
+            toolbar: Toolbar::default(),
+        }
+    }
+}
+
+impl<A: Asset + Editable> Session<A> {
+    /// The document of an asset, opened if it is not yet.
+    pub fn document(
+        &mut self,
+        id: AssetId<A>,
+        asset: &A,
+        file: impl FnOnce() -> Option<PathBuf>,
+    ) -> &mut Document<A> {
+        self.documents
+            .entry(id)
+            .or_insert_with(|| Document::open(asset.clone(), file()))
+    }
+
+    /// The document of an asset, if it is open.
+    pub fn get(&self, id: AssetId<A>) -> Option<&Document<A>> {
+        self.documents.get(&id)
+    }
+
+    /// Takes an edit in. The error is shown in the bar and nothing changes.
+    pub fn edit(&mut self, id: AssetId<A>, value: A, gesture: u64) {
+        let Some(document) = self.documents.get_mut(&id) else {
+            return;
+        };
+        self.toolbar.comparing = false;
+        self.toolbar.message = document
+            .edit(value, gesture)
+            .err()
+            .map(|error| Err(error.to_string()));
+    }
+
+    /// The asset has changed from outside (its file was written): a step in the history.
+    pub fn changed_outside(&mut self, id: AssetId<A>, value: &A, gesture: u64) {
+        let Some(document) = self.documents.get_mut(&id) else {
+            return;
+        };
+        if document.present() != value && document.saved() != value {
+            document.reloaded(value.clone(), gesture);
+            self.toolbar.message = Some(Ok("Loaded anew: the file has changed".into()));
+        }
+    }
+
+    /// What the asset should hold now: the present state, or the saved one while comparing.
+    pub fn shown(&self, id: AssetId<A>) -> Option<&A> {
+        let document = self.documents.get(&id)?;
+        Some(if self.toolbar.comparing {
+            document.saved()
+        } else {
+            document.present()
+        })
+    }
+
+    /// Carries a command out. `folder` is where files of this kind lie, `preset` what "reset" goes back to.
+    pub fn run(
+        &mut self,
+        id: AssetId<A>,
+        command: Command,
+        folder: &Path,
+        preset: Option<A>,
+        gesture: u64,
+    ) {
+        let Some(document) = self.documents.get_mut(&id) else {
+            return;
+        };
+        let bar = &mut self.toolbar;
+        bar.message = None;
+        let saved = |path: PathBuf| Some(Ok(format!("Saved {}", path.display())));
+        match command {
+            Command::Undo => drop(document.undo().map(|_| bar.comparing = false)),
+            Command::Redo => drop(document.redo().map(|_| bar.comparing = false)),
+            Command::Compare(on) => bar.comparing = on,
+            Command::Reset => {
+                if let Some(mut preset) = preset {
+                    preset.keep_handles(document.present());
+                    bar.message = document
+                        .edit(preset, gesture)
+                        .err()
+                        .map(|error| Err(error.to_string()));
+                }
+            }
+            Command::Save { overwrite } => match document.save(None, overwrite) {
+                Ok(path) => {
+                    bar.asking = false;
+                    bar.message = saved(path);
+                }
+                Err(DocumentError::Conflict(_)) => bar.asking = true,
+                Err(error) => bar.message = Some(Err(error.to_string())),
+            },
+            Command::SaveAs(name) => {
+                let file = folder.join(format!("{name}.{}", A::EXTENSION));
+                bar.message = match document.save(Some(&file), false) {
+                    Ok(path) => saved(path),
+                    Err(DocumentError::Conflict(file)) => {
+                        Some(Err(format!("{file} exists already: choose another name")))
+                    }
+                    Err(error) => Some(Err(error.to_string())),
+                };
+            }
+            Command::Load(file) => {
+                bar.asking = false;
+                bar.message = match document.load(&file, gesture) {
+                    Ok(_) => Some(Ok(format!("Loaded {}", file.display()))),
+                    Err(error) => Some(Err(error.to_string())),
+                };
+            }
+        }
+    }
+}
+
+/// Files of one kind in a folder, sorted.
+pub fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
+    let suffix = format!(".{extension}");
+    let mut files: Vec<_> = std::fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| path.to_string_lossy().ends_with(&suffix))
+        .collect();
+    files.sort();
+    files
+}
