@@ -53,6 +53,7 @@ fn groom(count: u32, color: [f32; 3], feather: &str) -> Groom {
         }],
         guides: Vec::new(),
         rows: Vec::new(),
+        paint: Vec::new(),
     }
 }
 

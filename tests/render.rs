@@ -34,6 +34,7 @@ fn groom(count: u32) -> Groom {
         }],
         guides: Vec::new(),
         rows: Vec::new(),
+        paint: Vec::new(),
     }
 }
 

@@ -66,6 +66,7 @@ pub fn groom(species: &Species, model: &Model) -> Groom {
         regions,
         guides: guides(species, &body, model),
         rows: Builder::new(species, &body).rows(),
+        paint: Vec::new(),
     }
 }
 

@@ -98,6 +98,7 @@ impl Groom {
             regions: parts.into_iter().map(region).collect(),
             guides: Vec::new(),
             rows: Vec::new(),
+            paint: Vec::new(),
         }
     }
 }

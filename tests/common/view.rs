@@ -41,6 +41,7 @@ pub fn patch_groom(count: u32) -> Groom {
         }],
         guides: Vec::new(),
         rows: Vec::new(),
+        paint: Vec::new(),
     }
 }
 

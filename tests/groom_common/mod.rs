@@ -175,5 +175,6 @@ pub fn groom() -> Groom {
             regions: vec![],
         }],
         rows: vec![wing()],
+        paint: Vec::new(),
     }
 }
