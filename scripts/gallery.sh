@@ -27,4 +27,11 @@ show single_feather feather --size 480x640
 show single_feather feather_back --size 480x640 --camera back
 show single_feather feather_closeup --size 640x480 --camera closeup
 show single_feather feather_macro --size 640x480 --camera macro
+# One structural feather from three angles, as Chen et al. 2026, Fig. 17.
+show single_feather feather_angle_0 --size 240x320 --feather macaw_blue --camera full
+show single_feather feather_angle_40 --size 240x320 --feather macaw_blue --camera full --turn 40
+show single_feather feather_angle_75 --size 240x320 --feather macaw_blue --camera full --turn 75
+show single_feather feather_angle_180 --size 240x320 --feather macaw_blue --camera full --turn 180
+echo "gallery: curves, and the same feather as the plugin draws it"
+${CARGO:-cargo} run -q --example explicit_curves -- "$out"
 echo "gallery: all pictures are in $out/"
