@@ -339,17 +339,17 @@ pub fn sheen_table_size(folder: &Path) -> Result<()> {
         for steps in [15_u32, 10, 6, 5, 3, 2, 1] {
             let count = SHEEN_TABLE_SIZE - 1;
             let mut error = 0.0_f64;
-            for i in 0..=count {
+            for (i, full) in row.iter().enumerate() {
                 let knots = f64::from(steps);
                 let at = i as f64 / count as f64 * knots;
                 let low = (at as u32).min(steps - 1);
                 let knot = |k: u32| {
                     let x = f64::from(k) / knots;
-                    f64::from(sheen_lookup(x, f64::from(alpha))[2])
+                    sheen_lookup(x, f64::from(alpha))[2]
                 };
                 let f = at - f64::from(low);
                 let r = knot(low) + (knot(low + 1) - knot(low)) * f;
-                error = error.max((r - f64::from(row[i][2])).abs());
+                error = error.max((r - f64::from(full[2])).abs());
             }
             list.push((f64::from(steps + 1) * 16.0, error));
         }
