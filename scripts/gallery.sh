@@ -40,4 +40,11 @@ echo "gallery: extract_pair"
 ${CARGO:-cargo} run -q --features extract --example single_feather -- --headless --frames 1 --size 800x640 --photo "$photo" \
     --output "$out/extract_pair.png" --stats "$out/stats/extract_pair.json" >/dev/null
 rm -r "$(dirname "$photo")"
+# One structural feather from three angles, as Chen et al. 2026, Fig. 17.
+show single_feather feather_angle_0 --size 240x320 --feather macaw_blue --camera full
+show single_feather feather_angle_40 --size 240x320 --feather macaw_blue --camera full --turn 40
+show single_feather feather_angle_75 --size 240x320 --feather macaw_blue --camera full --turn 75
+show single_feather feather_angle_180 --size 240x320 --feather macaw_blue --camera full --turn 180
+echo "gallery: curves, and the same feather as the plugin draws it"
+${CARGO:-cargo} run -q --example explicit_curves -- "$out"
 echo "gallery: all pictures are in $out/"

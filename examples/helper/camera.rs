@@ -78,7 +78,8 @@ fn spawn_camera(
     off_screen: Option<Res<OffScreen>>,
 ) {
     let framing = shots.framing(args.camera);
-    let eye = framing.target + (framing.eye - framing.target) * args.distance;
+    let turn = Quat::from_rotation_y(args.turn.to_radians());
+    let eye = framing.target + turn * (framing.eye - framing.target) * args.distance;
     let mut camera = commands.spawn((
         Camera3d::default(),
         Hdr,

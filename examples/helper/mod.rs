@@ -199,6 +199,9 @@ pub struct Args {
     /// Camera distance relative to the shot's own.
     #[arg(long, default_value_t = 1.0)]
     pub distance: f32,
+    /// Turns the camera around its subject, degrees.
+    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
+    pub turn: f32,
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {

@@ -131,7 +131,7 @@ fn number(v: f64) -> String {
     if !(1e-3..1e4).contains(&v.abs()) {
         return format!("{v:.0e}");
     }
-    let text = format!("{v:.3}");
+    let text = format!("{v:.5}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 

@@ -231,7 +231,7 @@ impl Studio {
             .spawn((
                 Camera3d::default(),
                 Hdr,
-                Msaa::Off,
+                Msaa::Sample4,
                 Tonemapping::None,
                 DebandDither::Disabled,
                 EXPOSURE,
