@@ -5,8 +5,10 @@ use super::{
     footprint::Footprint,
     lattice::lattice,
     masking::{mask_rachis, mask_vane},
-    math::{Real, clamp, normal_density, normal_distribution},
-    mean, near, stripe,
+    math::{Real, clamp},
+    mean, near,
+    split::split_rachis,
+    stripe,
     vane::{Cell, Local, Vane, reduce},
 };
 
@@ -82,58 +84,6 @@ pub fn vane_coverage<T: Real>(
     }
 }
 
-/// A footprint cut at both sides of the rachis. Masses sum to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RachisSplit<T> {
-    /// Share on the rachis.
-    pub rachis: T,
-    /// Share left of it.
-    pub left_mass: T,
-    /// What is left of it, moment-matched.
-    pub left: Footprint<T>,
-    /// Share right of it.
-    pub right_mass: T,
-    /// What is right of it, moment-matched, still with `x > 0`.
-    pub right: Footprint<T>,
-}
-
-/// The part of a footprint below `edge` along x, as a Gaussian of the same mass, mean and covariance.
-fn part_below<T: Real>(f: &Footprint<T>, edge: T) -> (T, Footprint<T>) {
-    let one = T::one();
-    let [xx, xy, yy] = f.covariance;
-    let sigma = xx.sqrt();
-    let z = (edge - f.mean[0]) / sigma;
-    if z > T::of(4.0) {
-        return (one, *f);
-    }
-    let mass = normal_distribution(z);
-    if mass < T::of(1e-4) {
-        return (T::zero(), *f);
-    }
-    let ratio = normal_density(z) / mass;
-    let shrink = clamp(one - z * ratio - ratio * ratio, T::of(0.02), one);
-    let slope = xy / xx;
-    let mean = [f.mean[0] - sigma * ratio, f.mean[1] - slope * sigma * ratio];
-    let covariance = [xx * shrink, xy * shrink, yy - slope * xy * (one - shrink)];
-    (mass, Footprint { mean, covariance })
-}
-
-/// Splits a footprint at the rachis, whose edges along x are `edges` (see [`mask_rachis`]).
-pub fn split_rachis<T: Real>(footprint: &Footprint<T>, edges: [T; 2]) -> RachisSplit<T> {
-    let (f, _) = footprint.widened();
-    let (left_mass, left) = part_below(&f, edges[0].min(edges[1]));
-    let (right_mass, mirrored) = part_below(&f.mirrored(), -edges[1].max(edges[0]));
-    let right = mirrored.mirrored();
-    let rachis = clamp(T::one() - left_mass - right_mass, T::zero(), T::one());
-    RachisSplit {
-        rachis,
-        left_mass,
-        left,
-        right_mass,
-        right,
-    }
-}
-
 /// Coverage of a footprint anywhere on the feather, from the view vector `view` (towards the eye; x, y, front normal).
 /// `rachis_radius` in feather lengths.
 pub fn feather_coverage<T: Real>(
@@ -144,27 +94,42 @@ pub fn feather_coverage<T: Real>(
     view: [T; 3],
     budget: &ErrorBudget<T>,
 ) -> Coverage<T> {
-    let split = split_rachis(footprint, mask_rachis(rachis_radius, view));
-    let mut sum = Coverage {
-        rachis: split.rachis,
-        barb: T::zero(),
-        distal: T::zero(),
-        proximal: T::zero(),
-    };
-    let mut add = |mass: T, vane: &Vane<T>, f: &Footprint<T>, view: [T; 3]| {
-        if mass > T::zero() {
-            let c = vane_coverage(&mask_vane(vane, view), vane, f, budget);
-            sum.barb = sum.barb + mass * c.barb;
-            sum.distal = sum.distal + mass * c.distal;
-            sum.proximal = sum.proximal + mass * c.proximal;
+    let cells = [
+        mask_vane(left, view),
+        mask_vane(right, [-view[0], view[1], view[2]]),
+    ];
+    // Where the average serves the whole footprint, it serves its parts.
+    let resolved = [(left, *footprint), (right, footprint.mirrored())]
+        .iter()
+        .zip(&cells)
+        .any(|((vane, f), cell)| {
+            let choice = choose(cell, &reduce(cell, vane, f), budget.threshold());
+            choice.evaluator != Evaluator::Mean
+        });
+    let split = split_rachis(footprint, mask_rachis(rachis_radius, view), resolved);
+    let mut sum = [T::zero(); 3];
+    for (vane, cell, parts) in [
+        (left, &cells[0], split.left),
+        (right, &cells[1], split.right),
+    ] {
+        let mut side = [T::zero(); 3];
+        for part in parts.iter().filter(|part| part.mass != T::zero()) {
+            let c = vane_coverage(cell, vane, &part.footprint, budget);
+            for (sum, w) in side.iter_mut().zip([c.barb, c.distal, c.proximal]) {
+                *sum = *sum + part.mass * w;
+            }
         }
-    };
-    add(split.left_mass, left, &split.left, view);
-    add(
-        split.right_mass,
-        right,
-        &split.right.mirrored(),
-        [-view[0], view[1], view[2]],
-    );
-    sum
+        for (sum, w) in sum.iter_mut().zip(side) {
+            *sum = *sum + w.max(T::zero());
+        }
+    }
+    // Differences of parts may leave a little too much.
+    let total = sum.iter().fold(split.rachis, |sum, w| sum + *w);
+    let [barb, distal, proximal] = sum.map(|w| w / total.max(T::one()));
+    Coverage {
+        rachis: split.rachis / total.max(T::one()),
+        barb,
+        distal,
+        proximal,
+    }
 }

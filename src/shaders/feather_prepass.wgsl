@@ -6,7 +6,7 @@
     feather_io::FeatherPrepassVertex,
     feather_pattern::pattern_threshold,
     masking::mask_vane,
-    query::mean_coverage,
+    query_far::mean_coverage,
 }
 #ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION
 struct Output { @builtin(frag_depth) frag_depth: f32 }
