@@ -39,7 +39,7 @@ fn covariance(major: f64, aspect: f64, angle: f64) -> [f64; 3] {
 fn across_the_rachis() {
     let mut random = Pcg64Mcg::seed_from_u64(61);
     let mut errors = Vec::new();
-    for i in 0..240 {
+    for i in 0..1000 {
         let vanes = [
             PlainVane::random(&mut random),
             PlainVane::random(&mut random),

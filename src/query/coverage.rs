@@ -7,7 +7,7 @@ use super::{
     masking::{mask_rachis, mask_vane},
     math::{Real, clamp},
     mean, near,
-    split::split_rachis,
+    split::{Line, split_vane},
     stripe,
     vane::{Cell, Local, Vane, reduce},
 };
@@ -84,6 +84,11 @@ pub fn vane_coverage<T: Real>(
     }
 }
 
+/// Whether the average serves not only a footprint but what a line leaves of it, too.
+fn averages<T: Real>(local: &Local<T>, threshold: T) -> bool {
+    local.variance.min(local.conditional) > T::of(4.0) * threshold
+}
+
 /// Coverage of a footprint anywhere on the feather, from the view vector `view` (towards the eye; x, y, front normal).
 /// `rachis_radius` in feather lengths.
 pub fn feather_coverage<T: Real>(
@@ -94,40 +99,63 @@ pub fn feather_coverage<T: Real>(
     view: [T; 3],
     budget: &ErrorBudget<T>,
 ) -> Coverage<T> {
-    let cells = [
-        mask_vane(left, view),
-        mask_vane(right, [-view[0], view[1], view[2]]),
-    ];
-    // Where the average serves the whole footprint, it serves its parts.
-    let resolved = [(left, *footprint), (right, footprint.mirrored())]
-        .iter()
-        .zip(&cells)
-        .any(|((vane, f), cell)| {
-            let choice = choose(cell, &reduce(cell, vane, f), budget.threshold());
-            choice.evaluator != Evaluator::Mean
-        });
-    let split = split_rachis(footprint, mask_rachis(rachis_radius, view), resolved);
+    outlined_coverage(
+        [left, right],
+        rachis_radius,
+        [None; 2],
+        footprint,
+        view,
+        budget,
+    )
+}
+
+/// The same where the vanes end at outlines, as lines over the left vane (the right one mirrored); `None` for a vane without end.
+pub fn outlined_coverage<T: Real>(
+    vanes: [&Vane<T>; 2],
+    rachis_radius: T,
+    outlines: [Option<Line<T>>; 2],
+    footprint: &Footprint<T>,
+    view: [T; 3],
+    budget: &ErrorBudget<T>,
+) -> Coverage<T> {
+    let (f, _) = footprint.widened();
+    let [low, high] = mask_rachis(rachis_radius, view);
+    let far = T::of(1e3);
+    let edges = [low.min(high), -low.max(high)];
+    let beside = |f: &Footprint<T>, edge: T| {
+        Line {
+            offset: clamp(edge, -far, far),
+            gradient: [-T::one(), T::zero()],
+        }
+        .share(f)
+    };
+    let footprints = [f, f.mirrored()];
+    let off = beside(&footprints[0], edges[0]) + beside(&footprints[1], edges[1]);
+    let rachis = clamp(T::one() - off, T::zero(), T::one());
     let mut sum = [T::zero(); 3];
-    for (vane, cell, parts) in [
-        (left, &cells[0], split.left),
-        (right, &cells[1], split.right),
-    ] {
-        let mut side = [T::zero(); 3];
+    for side in 0..2 {
+        let vane = vanes[side];
+        let f = &footprints[side];
+        let mirror = if side == 0 { T::one() } else { -T::one() };
+        let cell = mask_vane(vane, [mirror * view[0], view[1], view[2]]);
+        let resolved = !averages(&reduce(&cell, vane, f), budget.threshold());
+        let mut covered = [T::zero(); 3];
+        let parts = split_vane(f, clamp(edges[side], -far, far), outlines[side], resolved);
         for part in parts.iter().filter(|part| part.mass != T::zero()) {
-            let c = vane_coverage(cell, vane, &part.footprint, budget);
-            for (sum, w) in side.iter_mut().zip([c.barb, c.distal, c.proximal]) {
+            let c = vane_coverage(&cell, vane, &part.footprint, budget);
+            for (sum, w) in covered.iter_mut().zip([c.barb, c.distal, c.proximal]) {
                 *sum = *sum + part.mass * w;
             }
         }
-        for (sum, w) in sum.iter_mut().zip(side) {
+        for (sum, w) in sum.iter_mut().zip(covered) {
             *sum = *sum + w.max(T::zero());
         }
     }
     // Differences of parts may leave a little too much.
-    let total = sum.iter().fold(split.rachis, |sum, w| sum + *w);
-    let [barb, distal, proximal] = sum.map(|w| w / total.max(T::one()));
+    let total = sum.iter().fold(rachis, |sum, w| sum + *w).max(T::one());
+    let [barb, distal, proximal] = sum.map(|w| w / total);
     Coverage {
-        rachis: split.rachis / total.max(T::one()),
+        rachis: rachis / total,
         barb,
         distal,
         proximal,

@@ -112,36 +112,52 @@ pub fn split_line<T: Real>(
     }
 }
 
-/// A footprint cut at both sides of the rachis. Masses sum to 1.
+/// The half plane `offset + gradient . x >= 0`, to which a vane is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RachisSplit<T> {
-    /// Share on the rachis.
-    pub rachis: T,
-    /// What is left of it.
-    pub left: [Part<T>; PARTS],
-    /// What is right of it, mirrored to where the left vane is.
-    pub right: [Part<T>; PARTS],
+pub struct Line<T> {
+    /// Value at the origin.
+    pub offset: T,
+    /// Its gradient, any length but 0.
+    pub gradient: [T; 2],
 }
 
-/// Splits a footprint at the rachis, whose edges along x are `edges` (see [`super::mask_rachis`]).
-pub fn split_rachis<T: Real>(
-    footprint: &Footprint<T>,
-    edges: [T; 2],
-    resolved: bool,
-) -> RachisSplit<T> {
-    let (f, _) = footprint.widened();
-    let low = edges[0].min(edges[1]);
-    let high = edges[0].max(edges[1]);
-    let outward = [-T::one(), T::zero()];
-    let left = split_line(&f, low - f.mean[0], outward, resolved);
-    let right = split_line(&f.mirrored(), f.mean[0] - high, outward, resolved);
-    let covered = left
-        .iter()
-        .chain(&right)
-        .fold(T::zero(), |sum, part| sum + part.mass);
-    RachisSplit {
-        rachis: clamp(T::one() - covered, T::zero(), T::one()),
-        left,
-        right,
+impl<T: Real> Line<T> {
+    /// Value at a point.
+    pub fn at(&self, [x, y]: [T; 2]) -> T {
+        self.offset + self.gradient[0] * x + self.gradient[1] * y
     }
+
+    /// Share of a footprint inside.
+    pub fn share(&self, f: &Footprint<T>) -> T {
+        let [gx, gy] = self.gradient;
+        let [xx, xy, yy] = f.covariance;
+        let variance = gx * gx * xx + T::of(2.0) * gx * gy * xy + gy * gy * yy;
+        normal_distribution(self.at(f.mean) / variance.max(T::of(1e-30)).sqrt())
+    }
+}
+
+/// What of a footprint over the left vane lies at `x < edge` (the rachis) and, if given, inside the outline. The one of the
+/// two lines that takes more of it cuts it into parts, the other scales them.
+pub fn split_vane<T: Real>(
+    f: &Footprint<T>,
+    edge: T,
+    outline: Option<Line<T>>,
+    resolved: bool,
+) -> [Part<T>; PARTS] {
+    let rachis = Line {
+        offset: edge,
+        gradient: [-T::one(), T::zero()],
+    };
+    let Some(outline) = outline else {
+        return split_line(f, rachis.at(f.mean), rachis.gradient, resolved);
+    };
+    let (first, second) = if outline.share(f) < rachis.share(f) {
+        (outline, rachis)
+    } else {
+        (rachis, outline)
+    };
+    split_line(f, first.at(f.mean), first.gradient, resolved).map(|part| Part {
+        mass: part.mass * second.share(&part.footprint),
+        ..part
+    })
 }
