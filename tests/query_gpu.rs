@@ -36,9 +36,10 @@ fn functions_of_one_variable() {
             let v = input[2u * i + 1u];
             let w = m::width(v);
             let d = m::staircase_derivatives(x, w);
-            let values = array<f32, 9>(m::sine_turns(x), m::error_function(x), m::normal_distribution(x), m::staircase(x, w),
-                d.x, d.y, m::overlap(x, 0.3, 0.4), m::overlap_integral(x, 0.3, 0.4), m::overlap_second_integral(x, 0.3, 0.4));
-            for (var j = 0u; j < 9u; j++) { output[9u * i + j] = values[j]; }
+            let values = array<f32, 12>(m::sine_turns(x), m::error_function(x), m::normal_distribution(x), m::staircase(x, w),
+                d.x, d.y, m::overlap(x, 0.3, 0.4), m::overlap_integral(x, 0.3, 0.4), m::overlap_second_integral(x, 0.3, 0.4),
+                m::overlap_third_integral(x, 0.3, 0.4), d.z * v, m::arc_sine(fract(abs(x))));
+            for (var j = 0u; j < 12u; j++) { output[12u * i + j] = values[j]; }
         }";
     let mut input = Vec::new();
     for i in 0..400 {
@@ -47,13 +48,13 @@ fn functions_of_one_variable() {
         }
     }
     let count = input.len() / 2;
-    let Some(result) = gpu::run(&["math.wgsl"], text, &input, count, 9 * count) else {
+    let Some(result) = gpu::run(&["math.wgsl"], text, &input, count, 12 * count) else {
         return;
     };
-    for (pair, found) in input.chunks(2).zip(result.chunks(9)) {
+    for (pair, found) in input.chunks(2).zip(result.chunks(12)) {
         let (x, v) = (pair[0], pair[1]);
         let w = math::width(v);
-        let (first, second) = math::staircase_derivatives(x, w);
+        let [first, second, third] = math::staircase_derivatives(x, w);
         let wanted = [
             math::sine_turns(x),
             math::error_function(x),
@@ -64,6 +65,9 @@ fn functions_of_one_variable() {
             math::overlap(x, 0.3, 0.4),
             math::overlap_integral(x, 0.3, 0.4),
             math::overlap_second_integral(x, 0.3, 0.4),
+            math::overlap_third_integral(x, 0.3, 0.4),
+            third * v,
+            math::arc_sine(x.abs().fract()),
         ];
         for (j, (a, b)) in wanted.iter().zip(found).enumerate() {
             assert!(

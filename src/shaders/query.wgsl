@@ -106,12 +106,14 @@ struct Choice {
 
 // The cheapest evaluator within the budget.
 fn choose(cell: Cell, local: Local, threshold: f32) -> Choice {
+    // What STRIPE leaves out of the teeth inside a gap is below half the budget from here on.
+    let least_teeth = max(threshold - 0.041, 0.05);
     let teeth = 4.0 * cell.kappa * cell.kappa * local.variance;
     if local.conditional > threshold {
         if local.variance > threshold {
             return Choice(LOD_MEAN, false, 0.0);
         }
-        if teeth > 0.25 {
+        if teeth > least_teeth {
             return Choice(LOD_FAR, false, 0.0);
         }
     }
@@ -119,14 +121,14 @@ fn choose(cell: Cell, local: Local, threshold: f32) -> Choice {
         return Choice(LOD_NEAR, false, 0.0);
     }
     let budget = row_budget(cell, local, threshold);
-    if teeth > 0.25 && local.conditional > budget {
+    if teeth > least_teeth && local.conditional > budget {
         return Choice(LOD_FAR, false, budget);
     }
     let rows = floor(sqrt(max(budget, 0.0) / local.conditional));
     let nodes = rows + 1.57079633 * max(budget, 0.0) / sqrt(local.conditional * local.variance);
     let open = cell.v_high - cell.v_low;
     let cells = 6.0 * sqrt(local.variance) * max(open, 1.0 - open) * edge_climb(cell, local) / 0.4 + 1.0;
-    if teeth > 0.25 && (local.variance > 25.0 || (rows <= f32(MAX_ROWS) && 1.2 * nodes <= cells)) {
+    if teeth > least_teeth && (local.variance > 25.0 || (rows <= f32(MAX_ROWS) && 1.2 * nodes <= cells)) {
         return Choice(LATTICE, false, budget);
     }
     return Choice(LOD_NEAR, 1.2 * nodes < 4.0 * cells, budget);
@@ -138,15 +140,16 @@ fn classify_bounds(vane: Vane, sigma_minor_min: f32, sigma_major_max: f32, thres
     let along = sigma_minor_min / vane.d_bl;
     let kappa = max(vane.cos_bl / vane.sin_bl * vane.p_b / vane.d_bl, 0.01);
     let teeth = 4.0 * kappa * kappa;
+    let least_teeth = max(threshold - 0.041, 0.05);
     if along * along > threshold && across * across > threshold {
         return LOD_MEAN;
     }
-    if along * along > threshold && teeth * across * across > 0.25 {
+    if along * along > threshold && teeth * across * across > least_teeth {
         return LOD_FAR;
     }
     let across_max = sigma_major_max / vane.p_b;
     let along_max = sigma_major_max / vane.d_bl;
-    if teeth * across_max * across_max <= 0.25 && (along_max * along_max <= threshold || across_max * across_max <= threshold) {
+    if teeth * across_max * across_max <= least_teeth && (along_max * along_max <= threshold || across_max * across_max <= threshold) {
         return LOD_NEAR;
     }
     return LOD_MIXED;

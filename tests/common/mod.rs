@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub mod app;
+pub mod geometry;
 pub mod gpu;
 pub mod stack;
 pub mod sweep;
