@@ -105,6 +105,12 @@ fn spawn(
         // One card needs no sorting: blend it, for every step of coverage that there is.
         let mut quality = args.quality(FeatherTransparency::Blend);
         quality.settings.shelter = 0.0;
+        // The groom's tint: brown for an eagle, a macaw's blue for the rest.
+        let tint = if args.feather.starts_with("eagle") {
+            [0.12, 0.07, 0.035]
+        } else {
+            [0.03, 0.12, 0.55]
+        };
         commands.entity(entity).remove::<Waiting>().insert((
             Mesh3d(meshes.add(card_mesh(length, width))),
             quality,
@@ -113,7 +119,7 @@ fn spawn(
                 ..default()
             },
             PlumageCards {
-                cards: [card(length, width)].into(),
+                cards: [card(length, width, tint)].into(),
                 geometry: [CardGeometry {
                     first_vertex: 0,
                     vertex_count: 75,
@@ -127,7 +133,7 @@ fn spawn(
     }
 }
 
-fn card(length: f32, width: f32) -> Card {
+fn card(length: f32, width: f32, tint: [f32; 3]) -> Card {
     Card {
         root: Vec3::ZERO,
         along: Vec3::Y,
@@ -141,7 +147,7 @@ fn card(length: f32, width: f32) -> Card {
         feather: 0,
         region: 0,
         layer: 0.0,
-        tint: [0.03, 0.12, 0.55],
+        tint,
         seed: 1,
         mirrored: false,
     }

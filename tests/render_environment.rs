@@ -10,7 +10,7 @@ mod sky;
 
 use bevy::{light::EnvironmentMapLight, prelude::*};
 use bevy_plumage::prelude::*;
-use common::app::{self, SIZE, Stage};
+use common::app::{self, Stage};
 
 fn picture_with(stage: &mut Stage, card: Entity, samples: u32) -> Vec<[f32; 3]> {
     let mut quality = stage
@@ -39,17 +39,6 @@ fn difference(a: &[[f32; 3]], truth: &[[f32; 3]]) -> (f32, f32) {
         }
     }
     ((square / count).sqrt() / (wanted / count), sum / wanted)
-}
-
-/// Writes what a failing test saw.
-fn save(name: &str, picture: &[[f32; 3]]) {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/target/test_failures");
-    let shown = |p: &[f32; 3]| p.map(|x| (x.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0) as u8);
-    let bytes = picture.iter().flat_map(shown).collect();
-    let _ = std::fs::create_dir_all(folder);
-    if let Some(image) = image::RgbImage::from_raw(SIZE, SIZE, bytes) {
-        let _ = image.save(format!("{folder}/{name}.png"));
-    }
 }
 
 #[test]
@@ -85,14 +74,14 @@ fn sixteen_samples_come_near_to_many() {
     let good =
         rms < 0.15 && (mean - 1.0).abs() < 0.03 && rms < rough && (smooth_mean - 1.0).abs() < 0.25;
     if !good {
-        save("environment_16", &sixteen);
-        save("environment_256", &truth);
+        feather_card::save("environment_16", stage.size, &sixteen);
+        feather_card::save("environment_256", stage.size, &truth);
         let apart: Vec<[f32; 3]> = sixteen
             .iter()
             .zip(&truth)
             .map(|(a, b)| std::array::from_fn(|c| (a[c] - b[c]).abs()))
             .collect();
-        save("environment_difference", &apart);
+        feather_card::save("environment_difference", stage.size, &apart);
     }
     assert!(good);
     assert!(

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// Share of the picture that a feather of [`spawn_filling`] is to cover.
 const SHARE: f32 = 1.0 / 3.0;
 /// Share of its card that a feather covers, about.
-const OUTLINE: f32 = 0.8;
+const OUTLINE: f32 = 0.67;
 
 /// Spawns the feather of a file, tip to the right, so large that it fills a third of the picture (or the width of it).
 pub fn spawn_filling(stage: &mut Stage, file: &'static str) -> Entity {
@@ -121,4 +121,15 @@ pub fn covered_share(picture: &[[f32; 3]]) -> f32 {
         .filter(|p| p.iter().sum::<f32>() > 0.01)
         .count();
     lit as f32 / picture.len().max(1) as f32
+}
+
+/// Writes what a failing test saw into `target/test_failures`.
+pub fn save(name: &str, (width, height): (u32, u32), picture: &[[f32; 3]]) {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/target/test_failures");
+    let shown = |p: &[f32; 3]| p.map(|x| (x.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0) as u8);
+    let bytes = picture.iter().flat_map(shown).collect();
+    let _ = std::fs::create_dir_all(folder);
+    if let Some(image) = image::RgbImage::from_raw(width, height, bytes) {
+        let _ = image.save(format!("{folder}/{name}.png"));
+    }
 }
