@@ -166,8 +166,13 @@ fn draw(path: &Path, all: &[Measured], adapter: &str) -> Result<(), Box<dyn Erro
             .draw()?;
         for (i, one) in all.iter().enumerate() {
             let place = (at(one), f64::from(one.rms));
-            let color = Palette99::pick(i).mix(1.0);
-            chart.draw_series([Circle::new(place, 5, color.filled())])?;
+            let (r, g, b) = Palette99::COLORS[i % Palette99::COLORS.len()];
+            let color = RGBColor(r, g, b);
+            chart.draw_series([plotters::element::Circle::new(
+                place,
+                5,
+                ShapeStyle::from(&color).filled(),
+            )])?;
             let style = ("sans-serif", 12).into_font().color(&color);
             chart.draw_series([Text::new(
                 one.name,
