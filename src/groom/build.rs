@@ -1,7 +1,7 @@
 //! From a groom and a skin to the cards: the whole way, without an app.
 
 use super::{
-    asset::{Groom, Region, Row},
+    asset::{Groom, Region, Row, painted},
     card::{Card, CardGeometry},
     drape::{Shape, drape, rise},
     error::GroomError,
@@ -169,8 +169,8 @@ fn regions(
             (lay, arc)
         });
         let below = clearance(groom, &masks, number, size);
-        let field = Field::new(skin, lay, arc, &triangles, mask);
-        let count = counts[number];
+        let field = Field::new(skin, lay, arc, &triangles, mask).painted(&groom.paint, groom.unit);
+        let count = (counts[number] as f64 * field.paint_scale(region)).round() as usize;
         let own = name_hash(seed, &region.name);
         let follicles = scatter(&field, region, count, own, &placed);
         for follicle in &follicles {
@@ -268,7 +268,9 @@ fn feather(
     );
     let mut draw = Stream::new(seed);
     let jitter = region.jitter;
-    let length = region.length.at(phi) * size * groom.unit * (1.0 + jitter.length * draw.normal());
+    let (_, longer) = painted(&groom.paint, (follicle.position / groom.unit).to_array());
+    let length =
+        region.length.at(phi) * longer * size * groom.unit * (1.0 + jitter.length * draw.normal());
     let width = region.width.at(phi) * size * groom.unit * (1.0 + jitter.width * draw.normal());
     let yaw = (jitter.yaw * draw.normal()).to_radians();
     let roll = (jitter.roll * draw.normal()).to_radians();

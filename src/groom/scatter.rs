@@ -1,7 +1,7 @@
 //! Where the feathers of a region grow: blue noise by weighted sample elimination (Yuksel 2015), or staggered rows.
 
 use super::{
-    asset::{Placement, Region},
+    asset::{Dab, Placement, Region, painted},
     grid::PointGrid,
     lattice,
     seed::Stream,
@@ -36,7 +36,12 @@ pub struct Field<'a> {
     /// Whether a triangle is the region's.
     pub mask: &'a [bool],
     range: (f32, f32),
+    paint: &'a [Dab],
+    unit: f32,
 }
+
+/// Least and largest factor that paint leaves on the number of feathers.
+const PAINTED: (f32, f32) = (0.02, 4.0);
 
 impl<'a> Field<'a> {
     /// Prepares a region; finds the range of phi on it.
@@ -54,6 +59,8 @@ impl<'a> Field<'a> {
             triangles,
             mask,
             range: (0.0, 1.0),
+            paint: &[],
+            unit: 1.0,
         };
         let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         for &triangle in triangles {
@@ -66,6 +73,48 @@ impl<'a> Field<'a> {
             field.range = (low, high);
         }
         field
+    }
+
+    /// With touches of a brush, in units of `unit` metres.
+    pub fn painted(self, paint: &'a [Dab], unit: f32) -> Self {
+        Self {
+            paint,
+            unit,
+            ..self
+        }
+    }
+
+    /// Factor of the paint on the number of feathers at a place.
+    fn density(&self, position: Vec3) -> f32 {
+        if self.paint.is_empty() {
+            return 1.0;
+        }
+        let (density, _) = painted(self.paint, (position / self.unit).to_array());
+        density.clamp(PAINTED.0, PAINTED.1)
+    }
+
+    /// Relative spacing of the region's feathers at a place.
+    fn spacing(&self, region: &Region, phi: f32, position: Vec3) -> f32 {
+        spacing(region, phi) / self.density(position).sqrt()
+    }
+
+    /// How many times the feathers of an unpainted region the paint asks for.
+    pub fn paint_scale(&self, region: &Region) -> f64 {
+        if self.paint.is_empty() {
+            return 1.0;
+        }
+        let (mut plain, mut asked) = (0.0, 0.0);
+        for &triangle in self.triangles {
+            let center = self.follicle(SurfacePoint {
+                triangle,
+                bary: Vec3::splat(1.0 / 3.0),
+            });
+            let weight = f64::from(self.skin.areas[triangle as usize])
+                / f64::from(spacing(region, center.phi)).powi(2);
+            plain += weight;
+            asked += weight * f64::from(self.density(center.position));
+        }
+        if plain > 0.0 { asked / plain } else { 1.0 }
     }
 
     fn raw(&self, point: SurfacePoint) -> f32 {
@@ -127,7 +176,10 @@ pub fn scatter(
     if count == 0 || field.triangles.is_empty() {
         return Vec::new();
     }
-    if let Placement::Rows(rows) = region.placement {
+    // Paint is laid over rows, too: they become blue noise where it changes their number.
+    if let Placement::Rows(rows) = region.placement
+        && field.paint_scale(region) == 1.0
+    {
         let follicles = lattice::rows(field, region, rows as usize, count, seed);
         if follicles.len() == count {
             return follicles;
@@ -141,11 +193,12 @@ pub fn scatter(
 /// Systematic sampling over the triangles, by area over spacing squared.
 fn candidates(field: &Field, region: &Region, count: usize, stream: &mut Stream) -> Vec<Follicle> {
     let density = |triangle: u32| {
-        let phi = field.phi(SurfacePoint {
+        let center = field.follicle(SurfacePoint {
             triangle,
             bary: Vec3::splat(1.0 / 3.0),
         });
-        f64::from(field.skin.areas[triangle as usize]) / f64::from(spacing(region, phi)).powi(2)
+        let spacing = field.spacing(region, center.phi, center.position);
+        f64::from(field.skin.areas[triangle as usize]) / f64::from(spacing).powi(2)
     };
     let weights: Vec<f64> = field
         .triangles
@@ -184,13 +237,13 @@ fn eliminate(
     let radius = (area / (2.0 * 3.0_f64.sqrt() * count as f64)).sqrt() as f32;
     let mean_square = list
         .iter()
-        .map(|f| spacing(region, f.phi).powi(-2))
+        .map(|f| field.spacing(region, f.phi, f.position).powi(-2))
         .sum::<f32>()
         / list.len().max(1) as f32;
     // Mean number density stays count / area: the radius follows the local spacing.
     let radii: Vec<f32> = list
         .iter()
-        .map(|f| radius * spacing(region, f.phi) * mean_square.sqrt())
+        .map(|f| radius * field.spacing(region, f.phi, f.position) * mean_square.sqrt())
         .collect();
     let widest = radii.iter().copied().fold(0.0, f32::max);
     let lay: Vec<Vec3> = list

@@ -209,7 +209,7 @@ pub struct FeatherMaterial {
     pub settings: FeatherSettings,
     /// Transparency.
     pub transparency: FeatherTransparency,
-    /// Feathers and fibre tables, see [`super::PackedFeathers`].
+    /// Feathers and fibre tables, laid out as `shaders/feather_data.wgsl` reads them.
     #[storage(1, read_only)]
     pub feathers: Handle<ShaderBuffer>,
     /// Card records, [`super::CARD_VEC4S`] each.

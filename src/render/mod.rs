@@ -29,8 +29,8 @@ pub use lod::CARD_COUNTERS;
 pub use material::{
     CoverageMethod, DebugView, FeatherMaterial, FeatherSettings, FeatherTransparency,
 };
-pub use pack::{CARD_VEC4S, PackedFeathers};
-pub use wear::{FeatherQuality, PlumageMemory};
+pub use pack::CARD_VEC4S;
+pub use wear::{FeatherQuality, PlumageMemory, PlumageWork};
 pub use wind::{
     RUFFLE_LIFT, RUFFLE_YAW, Ruffle, Wind, value_noise, wind_lift, wind_response, wind_velocity,
 };

@@ -3,7 +3,7 @@
 use crate::{
     anatomy::{CONTOUR_ROWS, Feather, Pattern, RACHIS_ROWS, Side},
     groom::Card,
-    scattering::{Fibre, FibreTable, SHEEN_TABLE_SIZE, sheen_row},
+    scattering::{FIBRE_ROW_VEC4S, FIBRE_ROWS, Fibre, FibreTable, SHEEN_TABLE_SIZE, sheen_row},
 };
 use bevy::{
     asset::RenderAssetUsages,
@@ -25,50 +25,50 @@ pub const MAX_REGIONS: u32 = 128;
 /// Size of a baked albedo layer.
 const ALBEDO_SIZE: (u32, u32) = (32, 128);
 
-/// All feathers of one bird: one storage buffer and one texture array.
-pub struct PackedFeathers {
-    /// The buffer `feathers`: header, feathers, fibre tables.
-    pub data: Vec<u8>,
-    /// Two layers per feather: front, back.
-    pub albedo: Image,
+/// Tables are counted in steps of this many, so that an edit seldom changes the size of the buffer.
+const TABLE_STEP: usize = 8;
+
+/// Fibre tables built before, by what they were built from: building is the dear part of packing.
+#[derive(Default)]
+pub struct TableCache(Vec<(Fibre, FibreTable)>);
+
+/// The buffer `feathers` of one bird, in the order given: header, feathers, fibre tables. Tables that `cache` knows are taken from it; it keeps those of these feathers.
+pub fn pack_feathers(feathers: &[&Feather], cache: &mut TableCache) -> Vec<u8> {
+    let known = std::mem::take(&mut cache.0);
+    let mut tables: Vec<(Fibre, FibreTable)> = Vec::new();
+    let mut rows: Vec<[f32; 4]> = vec![[0.0; 4]];
+    for feather in feathers {
+        pack_feather(feather, &mut rows, &mut tables, &known);
+    }
+    let first_table = rows.len();
+    for (_, table) in &tables {
+        rows.extend(table.pack_rows());
+    }
+    let room = tables.len().next_multiple_of(TABLE_STEP) - tables.len();
+    rows.resize(rows.len() + room * FIBRE_ROWS * FIBRE_ROW_VEC4S, [0.0; 4]);
+    rows[0] = [
+        feathers.len() as f32,
+        first_table as f32,
+        tables.len() as f32,
+        0.0,
+    ];
+    cache.0 = tables;
+    rows.iter()
+        .flatten()
+        .flat_map(|value| value.to_le_bytes())
+        .collect()
 }
 
-impl PackedFeathers {
-    /// Packs `feathers` in order. `images` serves albedo images that replace the painted front.
-    pub fn new(feathers: &[&Feather], images: &Assets<Image>) -> Self {
-        let mut tables: Vec<(Fibre, FibreTable)> = Vec::new();
-        let mut rows: Vec<[f32; 4]> = vec![[0.0; 4]];
-        for feather in feathers {
-            pack_feather(feather, &mut rows, &mut tables);
-        }
-        let first_table = rows.len();
-        for (_, table) in &tables {
-            rows.extend(table.pack_rows());
-        }
-        rows[0] = [
-            feathers.len() as f32,
-            first_table as f32,
-            tables.len() as f32,
-            0.0,
-        ];
-        let data = rows
-            .iter()
-            .flatten()
-            .flat_map(|value| value.to_le_bytes())
-            .collect();
-        Self {
-            data,
-            albedo: albedo_array(feathers, images),
-        }
-    }
-
-    /// Bytes of the texture array.
-    pub fn albedo_bytes(&self) -> u64 {
-        self.albedo
-            .data
-            .as_ref()
-            .map_or(0, |data| data.len() as u64)
-    }
+/// Whether two states of a feather have the same albedo texture.
+pub fn same_paint(a: &Feather, b: &Feather) -> bool {
+    let paint = |feather: &Feather| {
+        (
+            feather.albedo.front.clone(),
+            feather.albedo.back.clone(),
+            feather.image.clone(),
+        )
+    };
+    paint(a) == paint(b) && a.contour == b.contour && a.rachis == b.rachis && a.aspect == b.aspect
 }
 
 fn vane_rows(feather: &Feather, side: Side) -> [[f32; 4]; 3] {
@@ -91,6 +91,7 @@ fn pack_feather(
     feather: &Feather,
     rows: &mut Vec<[f32; 4]>,
     tables: &mut Vec<(Fibre, FibreTable)>,
+    known: &[(Fibre, FibreTable)],
 ) {
     let start = rows.len();
     let shape = feather.shape_table();
@@ -115,7 +116,10 @@ fn pack_feather(
             .iter()
             .position(|(known, _)| *known == fibre)
             .unwrap_or_else(|| {
-                tables.push((fibre, FibreTable::build(&fibre)));
+                let before = known.iter().find(|(other, _)| *other == fibre);
+                let table =
+                    before.map_or_else(|| FibreTable::build(&fibre), |(_, table)| table.clone());
+                tables.push((fibre, table));
                 tables.len() - 1
             });
         rows.extend(tables[table].1.pack_parameters());
@@ -191,7 +195,8 @@ pub fn pack_cards(cards: &[Card]) -> Vec<u8> {
     data
 }
 
-fn albedo_array(feathers: &[&Feather], images: &Assets<Image>) -> Image {
+/// The albedo of one bird, two layers per feather: front, back. `images` serves albedo images that replace the painted front.
+pub fn albedo_array(feathers: &[&Feather], images: &Assets<Image>) -> Image {
     let (width, height) = ALBEDO_SIZE;
     let mut data = Vec::new();
     let mut levels = 1;

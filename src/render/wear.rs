@@ -3,7 +3,7 @@
 use super::{
     cut_out::FeatherPath,
     material::{FeatherMaterial, FeatherSettings, FeatherTransparency},
-    pack::{PackedFeathers, pack_cards},
+    pack::{TableCache, albedo_array, pack_cards, pack_feathers, same_paint},
     wind,
 };
 use crate::{anatomy::Feather, groom::PlumageCards};
@@ -20,6 +20,7 @@ impl Plugin for WearPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Wardrobe>()
             .init_resource::<PlumageMemory>()
+            .init_resource::<PlumageWork>()
             .add_systems(
                 PostUpdate,
                 (
@@ -71,6 +72,20 @@ struct Wear {
     feathers: Handle<ShaderBuffer>,
     albedo: Handle<Image>,
     bytes: (u64, u64),
+    /// The feathers as they were packed, and their tables.
+    packed: Vec<Feather>,
+    tables: TableCache,
+}
+
+/// How often the plugin has built and uploaded something: what an edit costs, counted.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PlumageWork {
+    /// Feather buffers uploaded.
+    pub feather_buffers: u32,
+    /// Albedo textures painted and uploaded.
+    pub albedo_textures: u32,
+    /// Materials made: cards uploaded, bind groups built.
+    pub materials: u32,
 }
 
 /// Packed feathers by the list of feather assets worn.
@@ -84,26 +99,72 @@ struct WornBytes {
     mesh: u64,
 }
 
-/// Drops what was packed from a feather that has changed, so that it is packed anew.
+/// Takes the changes of feathers over: into the buffer in place where only numbers have changed, else by packing anew.
 fn refresh_feathers(
     mut commands: Commands,
     mut events: MessageReader<AssetEvent<Feather>>,
     mut wardrobe: ResMut<Wardrobe>,
+    mut work: ResMut<PlumageWork>,
     worn: Query<(Entity, &PlumageCards), With<MeshMaterial3d<FeatherMaterial>>>,
+    feathers: Res<Assets<Feather>>,
+    mut buffers: ResMut<Assets<ShaderBuffer>>,
 ) {
-    for event in events.read() {
-        let AssetEvent::Modified { id } = event else {
-            continue;
-        };
-        wardrobe.0.retain(|ids, _| !ids.contains(id));
+    let modified: Vec<_> = events
+        .read()
+        .filter_map(|event| match event {
+            AssetEvent::Modified { id } => Some(*id),
+            _ => None,
+        })
+        .collect();
+    if modified.is_empty() {
+        return;
+    }
+    wardrobe.0.retain(|ids, wear| {
+        if !ids.iter().any(|id| modified.contains(id)) {
+            return true;
+        }
+        if refresh_in_place(wear, ids, &feathers, &mut buffers) {
+            work.feather_buffers += 1;
+            return true;
+        }
         for (entity, cards) in &worn {
-            if cards.feathers.iter().any(|f| f.id() == *id) {
+            if feather_ids(cards) == *ids {
                 commands
                     .entity(entity)
                     .remove::<MeshMaterial3d<FeatherMaterial>>();
             }
         }
+        false
+    });
+}
+
+/// Writes the feathers into the buffer that is there, if its size and the textures stay as they are.
+fn refresh_in_place(
+    wear: &mut Wear,
+    ids: &[AssetId<Feather>],
+    feathers: &Assets<Feather>,
+    buffers: &mut Assets<ShaderBuffer>,
+) -> bool {
+    let Some(now) = ids
+        .iter()
+        .map(|id| feathers.get(*id))
+        .collect::<Option<Vec<_>>>()
+    else {
+        return false;
+    };
+    if !now.iter().zip(&wear.packed).all(|(a, b)| same_paint(a, b)) {
+        return false;
     }
+    let data = pack_feathers(&now, &mut wear.tables);
+    if data.len() as u64 != wear.bytes.0 {
+        return false;
+    }
+    let Some(mut buffer) = buffers.get_mut(&wear.feathers) else {
+        return false;
+    };
+    buffer.data = Some(data);
+    wear.packed = now.into_iter().cloned().collect();
+    true
 }
 
 /// Forgets what no bird wears any more.
@@ -127,6 +188,7 @@ fn wear_feathers(
     mut commands: Commands,
     server: Res<AssetServer>,
     mut wardrobe: ResMut<Wardrobe>,
+    mut work: ResMut<PlumageWork>,
     bare: Query<
         (Entity, &PlumageCards, &Mesh3d),
         Or<(
@@ -165,12 +227,18 @@ fn wear_feathers(
             {
                 continue;
             }
-            let packed = PackedFeathers::new(&assets, images);
-            let bytes = (packed.data.len() as u64, packed.albedo_bytes());
+            let mut tables = TableCache::default();
+            let data = pack_feathers(&assets, &mut tables);
+            let albedo = albedo_array(&assets, images);
+            let albedo_bytes = albedo.data.as_ref().map_or(0, |data| data.len() as u64);
+            work.feather_buffers += 1;
+            work.albedo_textures += 1;
             let wear = Wear {
-                feathers: buffers.add(upload(packed.data, "feathers")),
-                albedo: images.add(packed.albedo),
-                bytes,
+                bytes: (data.len() as u64, albedo_bytes),
+                feathers: buffers.add(upload(data, "feathers")),
+                albedo: images.add(albedo),
+                packed: assets.into_iter().cloned().collect(),
+                tables,
             };
             wardrobe.0.insert(key.clone(), wear);
         }
@@ -183,6 +251,7 @@ fn wear_feathers(
             cards: (cards.len() + lod.len()) as u64,
             mesh: meshes.get(mesh.id()).map_or(0, mesh_bytes),
         };
+        work.materials += 1;
         let quality = qualities.get(worn.owner).copied().unwrap_or_default();
         let material = FeatherMaterial {
             settings: quality.settings,
