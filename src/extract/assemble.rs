@@ -238,12 +238,36 @@ pub(super) fn assemble(
             reason: "the preset `primary` is missing".to_owned(),
         });
     };
-    let angles = [left.barb_angle, right.barb_angle];
-    let start = vane_start(&points, share(radius[0]), angles);
-    let contour = Contour::from_polyline(&points, angles, start, settings.contour_samples as usize);
+    // Barbs that hardly show may be misread, and reach of barbs at a wrong angle cannot follow the outline: then the angle that
+    // follows it best is taken.
+    let samples = settings.contour_samples as usize;
+    let fit = |angles: [f32; 2]| {
+        let start = vane_start(&points, share(radius[0]), angles);
+        let contour = Contour::from_polyline(&points, angles, start, samples);
+        let overlap = dice(&redrawn(cut, card, &contour, angles, radius), &cut.mask);
+        (overlap, angles, start, contour)
+    };
+    let mut best = fit([left.barb_angle, right.barb_angle]);
+    if best.0 < 0.975 {
+        for slot in 0..2 {
+            for angle in [18.0, 26.0, 34.0, 42.0, 50.0, 58.0] {
+                let mut angles = best.1;
+                angles[slot] = angle;
+                let other = fit(angles);
+                if other.0 > best.0 + 0.004 {
+                    best = other;
+                }
+            }
+            if Some(best.1[slot]) != barbs[slot].map(|b| b.angle.to_degrees().clamp(8.0, 80.0)) {
+                let trust = &mut confidence.barbs[slot];
+                trust.doubt(Doubt::AngleFromOutline(best.1[slot]), 0.5);
+            }
+        }
+    }
+    let (overlap, angles, start, contour) = best;
+    [left.barb_angle, right.barb_angle] = angles;
     let down = downy(&points, start);
     (left.downy, right.downy) = (down, down);
-    let overlap = dice(&redrawn(cut, card, &contour, angles, radius), &cut.mask);
     if overlap < 0.97 {
         confidence
             .contour

@@ -36,6 +36,9 @@ pub enum Doubt {
     /// Barb directions disagree.
     #[error("barb angles spread by {0:.0} degrees")]
     BarbsSpread(f32),
+    /// The asset's barb angle was chosen to follow the outline.
+    #[error("the asset takes {0:.0} degrees, which follow the outline best")]
+    AngleFromOutline(f32),
     /// The asset's outline (single barb angle, one reach per barb) does not cover the mask.
     #[error("the asset's outline overlaps the mask by a Dice of {0:.3} only")]
     OutlineLost(f32),

@@ -29,13 +29,14 @@ pub(super) fn paint(
 ) -> RgbaImage {
     let (width, height) = (cut.view.width, cut.view.height);
     let rows = (shaft.rows.1 - shaft.rows.0).max(1) as f32;
-    // 1 on vane that is surely vane.
+    // 1 on vane that is surely vane: the lens and an enlarged view soften its rim.
+    let rim = 1.5 + 1.2 / cut.view.scale.clamp(0.4, 1.5);
     let usable = Plane::from_fn(width, height, |x, y| {
         let i = y * width + x;
         let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
         let share = (shaft.rows.1 as f32 - py) / rows;
         let from_shaft = (px - shaft.at(py)).abs();
-        let vane = map.distance.data[i] > 2.0 && from_shaft > 1.5 * radius(share) + 2.0;
+        let vane = map.distance.data[i] > rim && from_shaft > 1.5 * radius(share) + 2.0;
         f32::from(u8::from(vane))
     });
     // Between loose barbs one looks through to the background: what is nearer to its colour than its surroundings counts less.

@@ -173,9 +173,30 @@ fn principal(mask: &GrayImage) -> Option<(Vec2, Vec2, f32)> {
     ))
 }
 
-/// Direction of the feather. A long one lies along the main direction of its mask; for one nearly as wide as long the axis of
-/// best mirror symmetry says more.
-fn direction(mask: &GrayImage) -> Vec2 {
+/// Stripes of a masked picture as (place from `middle`, doubled direction, strength).
+fn stripes(light: &Plane, mask: &GrayImage, middle: Vec2) -> Vec<(Vec2, Vec2, f32)> {
+    let detail = light.blur(1.0).zip(&light.blur(5.0), |a, b| a - b);
+    let inner = morphology::erode(mask, Norm::L2, 4);
+    let on = inner
+        .enumerate_pixels()
+        .filter(|(_, _, pixel)| pixel[0] > 0);
+    on.step_by(2)
+        .map(|(x, y, _)| {
+            let g = detail.gradient(x as usize, y as usize);
+            let place = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) - middle;
+            // The square of the complex number: opposite gradients agree.
+            (
+                place,
+                Vec2::new(g.x * g.x - g.y * g.y, 2.0 * g.x * g.y),
+                g.length_squared(),
+            )
+        })
+        .collect()
+}
+
+/// Direction of the feather. A long one lies along the main direction of its mask; for one nearly as wide as long, the axis
+/// about which outline and barbs are best mirrored says more.
+fn direction(mask: &GrayImage, light: &Plane) -> Vec2 {
     let Some((middle, main, slender)) = principal(mask) else {
         return Vec2::Y;
     };
@@ -189,6 +210,7 @@ fn direction(mask: &GrayImage) -> Vec2 {
         .filter(|(_, _, pixel)| pixel[0] > 0)
         .map(|(x, y, _)| Vec2::new(x as f32 + 0.5, y as f32 + 0.5) - middle)
         .collect();
+    let barbs = stripes(light, mask, middle);
     let symmetry = |axis: Vec2| {
         let mirrored = on.iter().filter(|p| {
             let q = middle + axis * p.dot(axis) - axis.perp() * p.dot(axis.perp());
@@ -196,8 +218,18 @@ fn direction(mask: &GrayImage) -> Vec2 {
                 q.x >= 0.0 && q.y >= 0.0 && q.x < mask.width() as f32 && q.y < mask.height() as f32;
             inside && mask.get_pixel(q.x as u32, q.y as u32)[0] > 0
         });
+        // Barbs right of the axis mirror those on its left: the product of their mean doubled directions, seen from the
+        // axis, is then real and positive.
+        let turn = Vec2::new(axis.x * axis.x - axis.y * axis.y, -2.0 * axis.x * axis.y);
+        let mut sides = [(Vec2::ZERO, 1e-9); 2];
+        for (place, doubled, strength) in &barbs {
+            let side = &mut sides[usize::from(place.dot(axis.perp()) > 0.0)];
+            side.0 += doubled.rotate(turn);
+            side.1 += strength;
+        }
+        let [left, right] = sides.map(|(sum, weight)| sum / weight);
         let lean = 0.04 * (slender - 1.0) * axis.dot(main).abs();
-        mirrored.count() as f32 / on.len().max(1) as f32 + lean
+        mirrored.count() as f32 / on.len().max(1) as f32 + 0.8 * left.rotate(right).x + lean
     };
     (0..60)
         .map(|i| Vec2::from_angle(std::f32::consts::PI * i as f32 / 60.0))
@@ -257,7 +289,7 @@ pub(super) fn silhouette(
     }
 
     // Upright view around what was found.
-    let along = direction(&found.mask);
+    let along = direction(&found.mask, &Lab::of(&image).planes[0]);
     // The view's x axis; its y axis is then `along`, which shall point down the screen.
     let along = if along.y < 0.0 { -along } else { along };
     let axis = -along.perp();
