@@ -31,8 +31,10 @@ gallery: setup
 	$(CARGO) build --examples
 	./scripts/gallery.sh
 
-charts:
+charts: setup
 	$(CARGO) run --example scattering_charts
+	$(CARGO) run --config 'profile.dev.opt-level=3' --example query_charts
+	$(CARGO) run --example parrot -- --headless --size 480x270 --time 0 --camera closeup --compare docs/charts/parrot_closeup.json
 
 bench: setup
 	$(CARGO) bench --profile dev --config 'profile.dev.opt-level=3'

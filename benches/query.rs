@@ -1,4 +1,5 @@
-//! Time of one range query by each evaluator, and by the published spatial method at comparable error.
+//! Time of one range query by each evaluator, and by the published methods: the spatial one at comparable error and as few nodes
+//! as are printed, the frequency domain, the hard switch, point samples.
 //!
 //! The footprints are those for which the chooser picks the evaluator, over the range query study's sweep.
 #![allow(missing_docs)]
@@ -62,6 +63,25 @@ fn queries(c: &mut Criterion) {
         &stripe_set,
         &|c, l| published::spatial(c, l, &nodes),
     );
+    let orders = published::Orders {
+        stripes: 1,
+        window: 2,
+    };
+    let sixteen = published::Method::nodes(16);
+    bench("published hard switch 16", &cases, &|c, l| {
+        published::hard_switch(c, l, &sixteen, orders)
+    });
+    bench("published spatial 16, where near", &near_set, &|c, l| {
+        published::spatial(c, l, &sixteen)
+    });
+    bench(
+        "published frequency 1 and 2, where mean",
+        &mean_set,
+        &|c, l| published::frequency(c, l, orders),
+    );
+    bench("point samples 64", &cases, &|c, l| {
+        published::points(c, l, 64)
+    });
     group.finish();
     let vane = bevy_plumage::query::Vane::new(0.004f32, 0.0004, 0.6, 0.7, 4e-4, 5e-5, 5e-5);
     c.bench_function("mask_vane", |b| {

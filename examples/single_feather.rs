@@ -89,6 +89,7 @@ fn spawn(
             ..default()
         };
         quality.settings.debug_view = args.view.into();
+        quality.settings.coverage_method = args.coverage.into();
         quality.settings.shelter = 0.0;
         commands.entity(entity).remove::<Waiting>().insert((
             Mesh3d(meshes.add(card_mesh(length, width))),

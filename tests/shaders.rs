@@ -75,6 +75,8 @@ fn variants() -> Vec<(&'static str, Vec<&'static str>)> {
             &[] as &[&str],
             &["ENVIRONMENT_MAP"],
             &["ENVIRONMENT_MAP", "ALPHA_TO_COVERAGE", "MULTISAMPLED"],
+            &["PUBLISHED_COVERAGE", "ENVIRONMENT_MAP"],
+            &["SUPERSAMPLED_COVERAGE", "ENVIRONMENT_MAP"],
             &["DISTANCE_FOG", "ENVIRONMENT_MAP"],
             &["OIT_ENABLED", "ENVIRONMENT_MAP"],
             &[

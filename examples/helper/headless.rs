@@ -1,6 +1,6 @@
 //! Off-screen rendering: loads, warms up, renders, writes the picture and the statistics.
 
-use super::{Args, camera::OffScreen, stats};
+use super::{Args, camera::OffScreen, compare, stats};
 use bevy::{
     app::PluginsState,
     asset::UntypedAssetLoadFailedEvent,
@@ -48,6 +48,13 @@ pub fn run(mut app: App, name: &str, args: &Args) {
         app.insert_resource(DirectionalLightShadowMap { size: 1024 });
     }
     load(&mut app, name);
+    if let Some(file) = &args.compare {
+        if let Err(error) = compare::run(&mut app, &image, file) {
+            eprintln!("{name}: {error}");
+            std::process::exit(1);
+        }
+        std::process::exit(0);
+    }
     println!("{name}: rendering {} frames", args.frames.max(1));
     for _ in 0..WARM_UP {
         frame(&mut app);
@@ -60,7 +67,9 @@ pub fn run(mut app: App, name: &str, args: &Args) {
         .output
         .clone()
         .unwrap_or_else(|| PathBuf::from(format!("{name}.png")));
-    match capture(&mut app, image, &output) {
+    let written = capture(&mut app, image)
+        .and_then(|picture| picture.to_rgb8().save(&output).map_err(|e| e.to_string()));
+    match written {
         Ok(()) => println!("{name}: wrote {}", shown(&output)),
         Err(error) => {
             eprintln!("{name}: {}: {error}", shown(&output));
@@ -97,7 +106,7 @@ fn target(app: &mut App, (width, height): (u32, u32)) -> Handle<Image> {
 }
 
 /// One frame and the time until the GPU is done with it.
-fn frame(app: &mut App) -> Duration {
+pub fn frame(app: &mut App) -> Duration {
     let start = Instant::now();
     app.update();
     let _ = app
@@ -148,7 +157,8 @@ fn load(app: &mut App, name: &str) {
     eprintln!("{name}: not everything was loaded within {LOAD_TIMEOUT:?}");
 }
 
-fn capture(app: &mut App, image: Handle<Image>, path: &Path) -> Result<(), String> {
+/// The picture of the next frame.
+pub fn capture(app: &mut App, image: Handle<Image>) -> Result<image::DynamicImage, String> {
     let got: Arc<Mutex<Option<Image>>> = Arc::default();
     let keep = got.clone();
     app.world_mut()
@@ -162,8 +172,7 @@ fn capture(app: &mut App, image: Handle<Image>, path: &Path) -> Result<(), Strin
         frame(app);
         let taken = got.lock().ok().and_then(|mut slot| slot.take());
         if let Some(image) = taken {
-            let picture = image.try_into_dynamic().map_err(|e| e.to_string())?;
-            return picture.to_rgb8().save(path).map_err(|e| e.to_string());
+            return image.try_into_dynamic().map_err(|e| e.to_string());
         }
         std::thread::sleep(Duration::from_millis(2));
     }

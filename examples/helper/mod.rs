@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "every example uses its own part")]
 
 pub mod camera;
+pub mod compare;
 pub mod headless;
 pub mod scene;
 pub mod sky;
@@ -18,7 +19,7 @@ use bevy::{
     window::ExitCondition,
     winit::WinitPlugin,
 };
-use bevy_plumage::prelude::*;
+use bevy_plumage::{prelude::*, render::CoverageMethod};
 use clap::{Parser, ValueEnum};
 use std::{path::PathBuf, time::Duration};
 
@@ -58,6 +59,28 @@ pub enum View {
     Layer,
     /// Normal of the card.
     Normal,
+}
+
+/// How coverage is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Coverage {
+    /// The cheapest evaluator within the budget.
+    #[default]
+    Chosen,
+    /// The paper's hard switch.
+    Published,
+    /// Thousands of point queries per pixel.
+    Supersampled,
+}
+
+impl From<Coverage> for CoverageMethod {
+    fn from(coverage: Coverage) -> Self {
+        match coverage {
+            Coverage::Chosen => Self::Chosen,
+            Coverage::Published => Self::Published,
+            Coverage::Supersampled => Self::Supersampled,
+        }
+    }
 }
 
 impl From<View> for DebugView {
@@ -106,6 +129,12 @@ pub struct Args {
     /// What is drawn.
     #[arg(long, value_enum, default_value_t)]
     pub view: View,
+    /// How coverage is found.
+    #[arg(long, value_enum, default_value_t)]
+    pub coverage: Coverage,
+    /// Render by every way to find coverage, and write what each costs and how wrong it is as JSON (headless).
+    #[arg(long)]
+    pub compare: Option<PathBuf>,
     /// Feather shown by `single_feather`.
     #[arg(long, default_value = "macaw_primary")]
     pub feather: String,

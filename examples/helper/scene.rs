@@ -105,6 +105,7 @@ pub fn spawn_bird(
             FeatherQuality {
                 settings: FeatherSettings {
                     debug_view: args.view.into(),
+                    coverage_method: args.coverage.into(),
                     ..default()
                 },
                 ..default()

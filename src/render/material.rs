@@ -37,6 +37,8 @@ pub enum CoverageMethod {
     /// The paper's own: spatial domain by Gauss-Legendre near, frequency domain far, a hard switch between them
     /// ([`crate::query::published`]). For comparison only.
     Published,
+    /// 1,024 point queries per footprint: slow, the truth that the others are compared with.
+    Supersampled,
 }
 
 /// What a feather shows instead of its shaded colour.
@@ -146,8 +148,10 @@ impl FeatherPipelineKey {
     /// Shader definitions of the main pass.
     fn shader_defs(&self) -> Vec<ShaderDefVal> {
         let mut defs = Vec::new();
-        if self.coverage_method == CoverageMethod::Published {
-            defs.push("PUBLISHED_COVERAGE".into());
+        match self.coverage_method {
+            CoverageMethod::Chosen => {}
+            CoverageMethod::Published => defs.push("PUBLISHED_COVERAGE".into()),
+            CoverageMethod::Supersampled => defs.push("SUPERSAMPLED_COVERAGE".into()),
         }
         if self.sampled_environment {
             defs.push("SAMPLED_ENVIRONMENT".into());

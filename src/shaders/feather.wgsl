@@ -15,6 +15,12 @@
     },
     sheen::{sheen_albedo, sheen_evaluate, sheen_place},
 }
+#ifdef PUBLISHED_COVERAGE
+#import bevy_plumage::query_published::{PUBLISHED_SWITCH, PublishedMethod, published_vane_coverage}
+#endif
+#ifdef SUPERSAMPLED_COVERAGE
+#import bevy_plumage::query_published::{PUBLISHED_POINTS, PublishedMethod, published_vane_coverage}
+#endif
 #ifdef OIT_ENABLED
 #import bevy_core_pipeline::oit::oit_draw
 #endif
@@ -26,6 +32,10 @@ const DISTAL: u32 = 2u;
 const PROXIMAL: u32 = 3u;
 // Lights fetched at a time.
 const BATCH: u32 = 4u;
+#ifdef SUPERSAMPLED_COVERAGE
+// Point queries per footprint.
+const SUPERSAMPLES: u32 = 1024u;
+#endif
 // A component with less coverage than this is not shaded.
 const LEAST_WEIGHT: f32 = 0.004;
 
@@ -77,7 +87,14 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape:
     if (inside < 1e-3) {
         return vec3(0.0);
     }
+#ifdef PUBLISHED_COVERAGE
+    // Whatever the LOD pass says of the card: sixteen nodes near, orders 1 and 2 far.
+    let covered = published_vane_coverage(cell, vane, leftward, PublishedMethod(PUBLISHED_SWITCH, 1u, 16u, 1, 2));
+#else ifdef SUPERSAMPLED_COVERAGE
+    let covered = published_vane_coverage(cell, vane, leftward, PublishedMethod(PUBLISHED_POINTS, SUPERSAMPLES, 16u, 1, 2));
+#else
     let covered = vane_coverage(cell, vane, leftward, level, settings.threshold);
+#endif
     let hook = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
     return inside * vec3(covered.x, covered.yz * hook);
 }

@@ -56,8 +56,12 @@ fn header(source: &str) -> (String, Vec<String>) {
 ///
 /// Panics with naga's own message where a file does not compile: that is the test's failure.
 pub fn compose(files: &[&str], text: &str) -> naga::Module {
+    compose_sources(files.iter().map(|f| (*f, shader_source(f))).collect(), text)
+}
+
+/// The same from texts, each with a name for messages.
+pub fn compose_sources(mut waiting: Vec<(&str, String)>, text: &str) -> naga::Module {
     let mut composer = Composer::default();
-    let mut waiting: Vec<(&str, String)> = files.iter().map(|f| (*f, shader_source(f))).collect();
     while !waiting.is_empty() {
         // A module can be added once those it imports are there (an import may name an item of a module too).
         let ready = waiting.iter().position(|(_, source)| {
