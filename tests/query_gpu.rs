@@ -6,7 +6,8 @@ use common::{gpu, sweep};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
-const FILES: [&str; 5] = [
+const FILES: [&str; 6] = [
+    "query_split.wgsl",
     "query.wgsl",
     "query_near.wgsl",
     "query_far.wgsl",
@@ -143,22 +144,34 @@ fn coverage_in_cell_units() {
 #[test]
 fn whole_query() {
     let text = "#import bevy_plumage::masking::{Vane, mask_vane, mask_rachis}
-        #import bevy_plumage::query::{Footprint, vane_coverage, split_rachis, mirrored, classify_bounds, LOD_MIXED}
+        #import bevy_plumage::query::{Footprint, vane_coverage, widened, reduce, mirrored, classify_bounds, LOD_MIXED}
+        #import bevy_plumage::query_split::{rachis_share, rachis_line, split_line, line_part, averages}
         fn evaluate(i: u32) {
             let a = 18u * i;
             let vane = Vane(input[a], input[a + 1u], input[a + 2u], input[a + 3u], input[a + 4u], input[a + 5u], input[a + 6u],
                 input[a + 7u], input[a + 8u]);
             let f = Footprint(vec2(input[a + 9u], input[a + 10u]), vec3(input[a + 11u], input[a + 12u], input[a + 13u]));
             let view = vec3(input[a + 14u], input[a + 15u], input[a + 16u]);
-            let split = split_rachis(f, mask_rachis(input[a + 17u], view));
-            var w = vec4(split.rachis, 0.0, 0.0, 0.0);
-            if split.left_mass > 0.0 {
-                w += split.left_mass * vec4(0.0, vane_coverage(mask_vane(vane, view), vane, split.left, LOD_MIXED, THRESHOLD));
+            let edges = mask_rachis(input[a + 17u], view);
+            let wide = widened(f).footprint;
+            var w = vec4(rachis_share(wide, edges), 0.0, 0.0, 0.0);
+            for (var side = 0; side < 2; side++) {
+                var leftward = wide;
+                var edge = edges.x;
+                if side == 1 {
+                    leftward = mirrored(wide);
+                    edge = -edges.y;
+                }
+                let cell = mask_vane(vane, view * vec3(1.0 - 2.0 * f32(side), 1.0, 1.0));
+                let cut = split_line(leftward, rachis_line(edge), !averages(reduce(cell, vane, leftward), THRESHOLD));
+                var covered = vec3(0.0);
+                for (var j = 0u; j < cut.parts; j++) {
+                    let part = line_part(cut, j);
+                    covered += part.mass * vane_coverage(cell, vane, part.footprint, LOD_MIXED, THRESHOLD);
+                }
+                w += vec4(0.0, max(covered, vec3(0.0)));
             }
-            if split.right_mass > 0.0 {
-                let flipped = mask_vane(vane, view * vec3(-1.0, 1.0, 1.0));
-                w += split.right_mass * vec4(0.0, vane_coverage(flipped, vane, mirrored(split.right), LOD_MIXED, THRESHOLD));
-            }
+            w /= max(w.x + w.y + w.z + w.w, 1.0);
             output[5u * i] = w.x;
             output[5u * i + 1u] = w.y;
             output[5u * i + 2u] = w.z;

@@ -2,7 +2,7 @@
 
 // Coverage of a pixel footprint by barbs and barbules. Twin of src/query, where the derivations are.
 
-#import bevy_plumage::math::{wrap, normal_density, normal_distribution}
+#import bevy_plumage::math::{wrap}
 #import bevy_plumage::masking::{Vane, Cell}
 #import bevy_plumage::query_far::{MAX_ROWS, Local, mean_coverage, stripe_coverage, lattice_coverage}
 #import bevy_plumage::query_near::{edge_climb, quality_for_threshold, near_coverage}
@@ -27,15 +27,6 @@ struct Footprint {
 struct Widened {
     footprint: Footprint,
     determinant: f32,
-}
-
-// A footprint cut at both sides of the rachis. Masses sum to 1. `right` still has x > 0.
-struct RachisSplit {
-    rachis: f32,
-    left_mass: f32,
-    left: Footprint,
-    right_mass: f32,
-    right: Footprint,
 }
 
 // The footprint with its minor axis widened to a sixteenth of the major one.
@@ -190,44 +181,4 @@ fn vane_coverage(cell: Cell, vane: Vane, footprint: Footprint, lod: u32, thresho
         return cell_coverage(cell, Local(0.0, 0.0, 1.0, 0.0, 1.0), lod, threshold);
     }
     return cell_coverage(cell, reduce(cell, vane, footprint), lod, threshold);
-}
-
-// Mass of the part of a footprint below `edge` along x.
-fn mass_below(f: Footprint, edge: f32) -> f32 {
-    let z = (edge - f.mean.x) / sqrt(f.covariance.x);
-    if z > 4.0 {
-        return 1.0;
-    }
-    let mass = normal_distribution(z);
-    return select(mass, 0.0, mass < 1e-4);
-}
-
-// That part, as a Gaussian of the same mean and covariance; `mass` from `mass_below`.
-fn part_below(f: Footprint, edge: f32, mass: f32) -> Footprint {
-    let cov = f.covariance;
-    let sigma = sqrt(cov.x);
-    let z = (edge - f.mean.x) / sigma;
-    if z > 4.0 || mass <= 0.0 {
-        return f;
-    }
-    let ratio = normal_density(z) / mass;
-    let shrink = clamp(1.0 - z * ratio - ratio * ratio, 0.02, 1.0);
-    let slope = cov.y / cov.x;
-    return Footprint(
-        vec2(f.mean.x - sigma * ratio, f.mean.y - slope * sigma * ratio),
-        vec3(cov.x * shrink, cov.y * shrink, cov.z - slope * cov.y * (1.0 - shrink)),
-    );
-}
-
-// Splits a footprint at the rachis, whose edges along x are `edges` (mask_rachis).
-fn split_rachis(footprint: Footprint, edges: vec2<f32>) -> RachisSplit {
-    let f = widened(footprint).footprint;
-    let flipped = mirrored(f);
-    let low = min(edges.x, edges.y);
-    let high = max(edges.x, edges.y);
-    let left_mass = mass_below(f, low);
-    let right_mass = mass_below(flipped, -high);
-    let left = part_below(f, low, left_mass);
-    let right = mirrored(part_below(flipped, -high, right_mass));
-    return RachisSplit(clamp(1.0 - left_mass - right_mass, 0.0, 1.0), left_mass, left, right_mass, right);
 }
