@@ -102,6 +102,14 @@ fn rachis_line(edge: f32) -> Line {
     return Line(edge, vec2(-1.0, 0.0));
 }
 
+// The outline near a footprint over the left vane, to first order: `reach` is the contour and its derivative at the root of the
+// barb (of angle `barb_angle`, radians) through `mean`.
+fn outline_line(mean: vec2<f32>, reach: vec2<f32>, barb_angle: f32) -> Line {
+    let cotangent = cos(barb_angle) / max(sin(barb_angle), 1e-3);
+    let gradient = vec2(1.0 + reach.y * cotangent, reach.y);
+    return Line(reach.x + mean.x - dot(gradient, mean), gradient);
+}
+
 // Share of a footprint that the rachis hides; `edges` from mask_rachis.
 fn rachis_share(f: Footprint, edges: vec2<f32>) -> f32 {
     let left = line_share(rachis_line(min(edges.x, edges.y)), f);
