@@ -6,7 +6,8 @@ use common::{gpu, sweep};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
-const FILES: [&str; 5] = [
+const FILES: [&str; 6] = [
+    "query_split.wgsl",
     "query.wgsl",
     "query_near.wgsl",
     "query_far.wgsl",
@@ -36,9 +37,10 @@ fn functions_of_one_variable() {
             let v = input[2u * i + 1u];
             let w = m::width(v);
             let d = m::staircase_derivatives(x, w);
-            let values = array<f32, 9>(m::sine_turns(x), m::error_function(x), m::normal_distribution(x), m::staircase(x, w),
-                d.x, d.y, m::overlap(x, 0.3, 0.4), m::overlap_integral(x, 0.3, 0.4), m::overlap_second_integral(x, 0.3, 0.4));
-            for (var j = 0u; j < 9u; j++) { output[9u * i + j] = values[j]; }
+            let values = array<f32, 12>(m::sine_turns(x), m::error_function(x), m::normal_distribution(x), m::staircase(x, w),
+                d.x, d.y, m::overlap(x, 0.3, 0.4), m::overlap_integral(x, 0.3, 0.4), m::overlap_second_integral(x, 0.3, 0.4),
+                m::overlap_third_integral(x, 0.3, 0.4), d.z * v, m::arc_sine(fract(abs(x))));
+            for (var j = 0u; j < 12u; j++) { output[12u * i + j] = values[j]; }
         }";
     let mut input = Vec::new();
     for i in 0..400 {
@@ -47,13 +49,13 @@ fn functions_of_one_variable() {
         }
     }
     let count = input.len() / 2;
-    let Some(result) = gpu::run(&["math.wgsl"], text, &input, count, 9 * count) else {
+    let Some(result) = gpu::run(&["math.wgsl"], text, &input, count, 12 * count) else {
         return;
     };
-    for (pair, found) in input.chunks(2).zip(result.chunks(9)) {
+    for (pair, found) in input.chunks(2).zip(result.chunks(12)) {
         let (x, v) = (pair[0], pair[1]);
         let w = math::width(v);
-        let (first, second) = math::staircase_derivatives(x, w);
+        let [first, second, third] = math::staircase_derivatives(x, w);
         let wanted = [
             math::sine_turns(x),
             math::error_function(x),
@@ -64,6 +66,9 @@ fn functions_of_one_variable() {
             math::overlap(x, 0.3, 0.4),
             math::overlap_integral(x, 0.3, 0.4),
             math::overlap_second_integral(x, 0.3, 0.4),
+            math::overlap_third_integral(x, 0.3, 0.4),
+            third * v,
+            math::arc_sine(x.abs().fract()),
         ];
         for (j, (a, b)) in wanted.iter().zip(found).enumerate() {
             assert!(
@@ -139,22 +144,34 @@ fn coverage_in_cell_units() {
 #[test]
 fn whole_query() {
     let text = "#import bevy_plumage::masking::{Vane, mask_vane, mask_rachis}
-        #import bevy_plumage::query::{Footprint, vane_coverage, split_rachis, mirrored, classify_bounds, LOD_MIXED}
+        #import bevy_plumage::query::{Footprint, vane_coverage, widened, reduce, mirrored, classify_bounds, LOD_MIXED}
+        #import bevy_plumage::query_split::{rachis_share, rachis_line, split_line, line_part, averages}
         fn evaluate(i: u32) {
             let a = 18u * i;
             let vane = Vane(input[a], input[a + 1u], input[a + 2u], input[a + 3u], input[a + 4u], input[a + 5u], input[a + 6u],
                 input[a + 7u], input[a + 8u]);
             let f = Footprint(vec2(input[a + 9u], input[a + 10u]), vec3(input[a + 11u], input[a + 12u], input[a + 13u]));
             let view = vec3(input[a + 14u], input[a + 15u], input[a + 16u]);
-            let split = split_rachis(f, mask_rachis(input[a + 17u], view));
-            var w = vec4(split.rachis, 0.0, 0.0, 0.0);
-            if split.left_mass > 0.0 {
-                w += split.left_mass * vec4(0.0, vane_coverage(mask_vane(vane, view), vane, split.left, LOD_MIXED, THRESHOLD));
+            let edges = mask_rachis(input[a + 17u], view);
+            let wide = widened(f).footprint;
+            var w = vec4(rachis_share(wide, edges), 0.0, 0.0, 0.0);
+            for (var side = 0; side < 2; side++) {
+                var leftward = wide;
+                var edge = edges.x;
+                if side == 1 {
+                    leftward = mirrored(wide);
+                    edge = -edges.y;
+                }
+                let cell = mask_vane(vane, view * vec3(1.0 - 2.0 * f32(side), 1.0, 1.0));
+                let cut = split_line(leftward, rachis_line(edge), !averages(reduce(cell, vane, leftward), THRESHOLD));
+                var covered = vec3(0.0);
+                for (var j = 0u; j < cut.parts; j++) {
+                    let part = line_part(cut, j);
+                    covered += part.mass * vane_coverage(cell, vane, part.footprint, LOD_MIXED, THRESHOLD);
+                }
+                w += vec4(0.0, max(covered, vec3(0.0)));
             }
-            if split.right_mass > 0.0 {
-                let flipped = mask_vane(vane, view * vec3(-1.0, 1.0, 1.0));
-                w += split.right_mass * vec4(0.0, vane_coverage(flipped, vane, mirrored(split.right), LOD_MIXED, THRESHOLD));
-            }
+            w /= max(w.x + w.y + w.z + w.w, 1.0);
             output[5u * i] = w.x;
             output[5u * i + 1u] = w.y;
             output[5u * i + 2u] = w.z;

@@ -2,9 +2,9 @@
 mod common;
 
 use bevy_plumage::query::{
-    Cell, Choice, ErrorBudget, Evaluator, Footprint, Local, Lod, Vane, cell_coverage, choose,
+    Cell, Choice, ErrorBudget, Evaluator, Footprint, Local, Lod, Part, Vane, cell_coverage, choose,
     classify_bounds, feather_coverage, lattice, mask_vane, mean, near, reduce, reference,
-    split_rachis, stripe,
+    split_line, stripe,
 };
 use common::sweep::{self, between};
 use rand::{RngExt, SeedableRng};
@@ -287,18 +287,27 @@ fn bounds_of_a_card_hold_for_its_pixels() {
 }
 
 #[test]
-fn split_masses_sum_to_one() {
+fn parts_of_a_footprint_sum_to_it() {
     let mut random = Pcg64Mcg::seed_from_u64(47);
-    for _ in 0..10_000 {
+    for i in 0..10_000 {
         let sigma = between(&mut random, -9.0, -2.0).exp();
-        let f = Footprint::round([between(&mut random, -0.02, 0.02), 0.5], sigma);
-        let s = split_rachis(&f, [-0.004, 0.006]);
-        assert!((s.left_mass + s.rachis + s.right_mass - 1.0).abs() < 1e-12);
-        if s.left_mass > 0.0 && s.left_mass < 1.0 {
-            assert!(s.left.mean[0] < -0.004 && s.left.covariance[0] > 0.0);
-        }
-        if s.right_mass > 0.0 && s.right_mass < 1.0 {
-            assert!(s.right.mean[0] > 0.006 && s.right.covariance[0] > 0.0);
+        let f = Footprint {
+            mean: [between(&mut random, -0.02, 0.02), 0.5],
+            covariance: [sigma * sigma, 0.3 * sigma * sigma, sigma * sigma],
+        };
+        let distance = between(&mut random, -3.0, 3.0) * sigma;
+        let [kept, left] = [1.0, -1.0]
+            .map(|side| split_line(&f, side * distance, [side * 0.6, side * 0.8], i % 2 == 0));
+        let mass = |parts: &[Part<f64>]| parts.iter().map(|p| p.mass).sum::<f64>();
+        assert!((mass(&kept) + mass(&left) - 1.0).abs() < 1e-5);
+        // The means of both sides balance.
+        for axis in 0..2 {
+            let mean: f64 = kept
+                .iter()
+                .chain(&left)
+                .map(|p| p.mass * (p.footprint.mean[axis] - f.mean[axis]))
+                .sum();
+            assert!(mean.abs() < 2e-3 * sigma, "{mean} of {sigma}");
         }
     }
 }

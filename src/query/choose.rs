@@ -78,24 +78,24 @@ impl<T: Real> Quality<T> {
         Self::of([3.0, 0.5, 1.0, 1.5, 7.5, 0.8, 0.35])
     }
 
-    /// RMS error about 0.0004.
+    /// RMS error about 0.0003.
     pub fn standard() -> Self {
-        Self::of([3.0, 0.4, 0.75, 1.5, 9.0, 0.8, 0.25])
+        Self::of([3.0, 0.4, 0.75, 1.5, 9.0, 0.8, 0.18])
     }
 
     /// RMS error about 0.0002.
     pub fn tight() -> Self {
-        Self::of([3.2, 0.3, 0.6, 1.5, 9.0, 0.8, 0.2])
+        Self::of([3.2, 0.3, 0.6, 1.5, 9.0, 0.8, 0.15])
     }
 
     /// RMS error about 0.0001.
     pub fn high() -> Self {
-        Self::of([3.5, 0.15, 0.4, 0.8, 10.0, 0.8, 0.2])
+        Self::of([3.5, 0.15, 0.4, 0.8, 10.0, 0.8, 0.15])
     }
 
     /// RMS error below 0.0001, at twice the cost of [`Self::tight`].
     pub fn strict() -> Self {
-        Self::of([3.5, 0.1, 0.3, 0.8, 12.0, 0.6, 0.2])
+        Self::of([3.5, 0.1, 0.3, 0.8, 12.0, 0.6, 0.12])
     }
 
     /// The cheapest of the five whose error is that of the switches at [`ErrorBudget::threshold`].
@@ -195,13 +195,14 @@ pub fn choose<T: Real>(cell: &Cell<T>, local: &Local<T>, threshold: T) -> Choice
         row_budget,
     };
     let zero = T::zero();
-    let quarter = T::of(0.25);
+    // What STRIPE leaves out of the teeth inside a gap is below half the budget from here on.
+    let least_teeth = (threshold - T::of(0.041)).max(T::of(0.05));
     let teeth = T::of(4.0) * cell.kappa * cell.kappa * local.variance;
     if local.conditional > threshold {
         if local.variance > threshold {
             return pick(Evaluator::Mean, false, zero);
         }
-        if teeth > quarter {
+        if teeth > least_teeth {
             return pick(Evaluator::Stripe, false, zero);
         }
     }
@@ -209,7 +210,7 @@ pub fn choose<T: Real>(cell: &Cell<T>, local: &Local<T>, threshold: T) -> Choice
         return pick(Evaluator::Near, false, zero);
     }
     let budget = row_budget(cell, local, threshold);
-    if teeth > quarter && local.conditional > budget {
+    if teeth > least_teeth && local.conditional > budget {
         return pick(Evaluator::Stripe, false, budget);
     }
     let sigma = local.variance.sqrt();
@@ -223,7 +224,7 @@ pub fn choose<T: Real>(cell: &Cell<T>, local: &Local<T>, threshold: T) -> Choice
     let climb = climb(cell, local);
     let cells = T::of(6.0) * sigma * open.max(T::one() - open) * climb / T::of(0.4) + T::one();
     let many = local.variance > T::of(25.0);
-    if teeth > quarter && (many || (rows <= limit && T::of(1.2) * nodes <= cells)) {
+    if teeth > least_teeth && (many || (rows <= limit && T::of(1.2) * nodes <= cells)) {
         return pick(Evaluator::Lattice, false, budget);
     }
     let beside_switch = T::of(1.2) * nodes < T::of(4.0) * cells;
@@ -247,7 +248,7 @@ pub fn classify_bounds<T: Real>(
     sigma_major_max: T,
     threshold: T,
 ) -> Lod {
-    let quarter = T::of(0.25);
+    let least_teeth = (threshold - T::of(0.041)).max(T::of(0.05));
     let square = |x: T| x * x;
     let across = square(sigma_minor_min / vane.p_b);
     let along = square(sigma_minor_min / vane.d_bl);
@@ -257,12 +258,12 @@ pub fn classify_bounds<T: Real>(
     if along > threshold && across > threshold {
         return Lod::Mean;
     }
-    if along > threshold && teeth * across > quarter {
+    if along > threshold && teeth * across > least_teeth {
         return Lod::Far;
     }
     let across_max = square(sigma_major_max / vane.p_b);
     let along_max = square(sigma_major_max / vane.d_bl);
-    if teeth * across_max <= quarter && (along_max <= threshold || across_max <= threshold) {
+    if teeth * across_max <= least_teeth && (along_max <= threshold || across_max <= threshold) {
         return Lod::Near;
     }
     Lod::Mixed

@@ -5,8 +5,10 @@ use super::{
     footprint::Footprint,
     lattice::lattice,
     masking::{mask_rachis, mask_vane},
-    math::{Real, clamp, normal_density, normal_distribution},
-    mean, near, stripe,
+    math::{Real, clamp},
+    mean, near,
+    split::{Line, split_vane},
+    stripe,
     vane::{Cell, Local, Vane, reduce},
 };
 
@@ -82,56 +84,9 @@ pub fn vane_coverage<T: Real>(
     }
 }
 
-/// A footprint cut at both sides of the rachis. Masses sum to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RachisSplit<T> {
-    /// Share on the rachis.
-    pub rachis: T,
-    /// Share left of it.
-    pub left_mass: T,
-    /// What is left of it, moment-matched.
-    pub left: Footprint<T>,
-    /// Share right of it.
-    pub right_mass: T,
-    /// What is right of it, moment-matched, still with `x > 0`.
-    pub right: Footprint<T>,
-}
-
-/// The part of a footprint below `edge` along x, as a Gaussian of the same mass, mean and covariance.
-fn part_below<T: Real>(f: &Footprint<T>, edge: T) -> (T, Footprint<T>) {
-    let one = T::one();
-    let [xx, xy, yy] = f.covariance;
-    let sigma = xx.sqrt();
-    let z = (edge - f.mean[0]) / sigma;
-    if z > T::of(4.0) {
-        return (one, *f);
-    }
-    let mass = normal_distribution(z);
-    if mass < T::of(1e-4) {
-        return (T::zero(), *f);
-    }
-    let ratio = normal_density(z) / mass;
-    let shrink = clamp(one - z * ratio - ratio * ratio, T::of(0.02), one);
-    let slope = xy / xx;
-    let mean = [f.mean[0] - sigma * ratio, f.mean[1] - slope * sigma * ratio];
-    let covariance = [xx * shrink, xy * shrink, yy - slope * xy * (one - shrink)];
-    (mass, Footprint { mean, covariance })
-}
-
-/// Splits a footprint at the rachis, whose edges along x are `edges` (see [`mask_rachis`]).
-pub fn split_rachis<T: Real>(footprint: &Footprint<T>, edges: [T; 2]) -> RachisSplit<T> {
-    let (f, _) = footprint.widened();
-    let (left_mass, left) = part_below(&f, edges[0].min(edges[1]));
-    let (right_mass, mirrored) = part_below(&f.mirrored(), -edges[1].max(edges[0]));
-    let right = mirrored.mirrored();
-    let rachis = clamp(T::one() - left_mass - right_mass, T::zero(), T::one());
-    RachisSplit {
-        rachis,
-        left_mass,
-        left,
-        right_mass,
-        right,
-    }
+/// Whether the average serves not only a footprint but what a line leaves of it, too.
+fn averages<T: Real>(local: &Local<T>, threshold: T) -> bool {
+    local.variance.min(local.conditional) > T::of(4.0) * threshold
 }
 
 /// Coverage of a footprint anywhere on the feather, from the view vector `view` (towards the eye; x, y, front normal).
@@ -144,27 +99,65 @@ pub fn feather_coverage<T: Real>(
     view: [T; 3],
     budget: &ErrorBudget<T>,
 ) -> Coverage<T> {
-    let split = split_rachis(footprint, mask_rachis(rachis_radius, view));
-    let mut sum = Coverage {
-        rachis: split.rachis,
-        barb: T::zero(),
-        distal: T::zero(),
-        proximal: T::zero(),
-    };
-    let mut add = |mass: T, vane: &Vane<T>, f: &Footprint<T>, view: [T; 3]| {
-        if mass > T::zero() {
-            let c = vane_coverage(&mask_vane(vane, view), vane, f, budget);
-            sum.barb = sum.barb + mass * c.barb;
-            sum.distal = sum.distal + mass * c.distal;
-            sum.proximal = sum.proximal + mass * c.proximal;
+    outlined_coverage(
+        [left, right],
+        rachis_radius,
+        [None; 2],
+        footprint,
+        view,
+        budget,
+    )
+}
+
+/// The same where the vanes end at outlines, as lines over the left vane (the right one mirrored); `None` for a vane without end.
+pub fn outlined_coverage<T: Real>(
+    vanes: [&Vane<T>; 2],
+    rachis_radius: T,
+    outlines: [Option<Line<T>>; 2],
+    footprint: &Footprint<T>,
+    view: [T; 3],
+    budget: &ErrorBudget<T>,
+) -> Coverage<T> {
+    let (f, _) = footprint.widened();
+    let [low, high] = mask_rachis(rachis_radius, view);
+    let far = T::of(1e3);
+    let edges = [low.min(high), -low.max(high)];
+    let beside = |f: &Footprint<T>, edge: T| {
+        Line {
+            offset: clamp(edge, -far, far),
+            gradient: [-T::one(), T::zero()],
         }
+        .share(f)
     };
-    add(split.left_mass, left, &split.left, view);
-    add(
-        split.right_mass,
-        right,
-        &split.right.mirrored(),
-        [-view[0], view[1], view[2]],
-    );
-    sum
+    let footprints = [f, f.mirrored()];
+    let off = beside(&footprints[0], edges[0]) + beside(&footprints[1], edges[1]);
+    let rachis = clamp(T::one() - off, T::zero(), T::one());
+    let mut sum = [T::zero(); 3];
+    for side in 0..2 {
+        let vane = vanes[side];
+        let f = &footprints[side];
+        let mirror = if side == 0 { T::one() } else { -T::one() };
+        let cell = mask_vane(vane, [mirror * view[0], view[1], view[2]]);
+        let resolved = !averages(&reduce(&cell, vane, f), budget.threshold());
+        let mut covered = [T::zero(); 3];
+        let parts = split_vane(f, clamp(edges[side], -far, far), outlines[side], resolved);
+        for part in parts.iter().filter(|part| part.mass != T::zero()) {
+            let c = vane_coverage(&cell, vane, &part.footprint, budget);
+            for (sum, w) in covered.iter_mut().zip([c.barb, c.distal, c.proximal]) {
+                *sum = *sum + part.mass * w;
+            }
+        }
+        for (sum, w) in sum.iter_mut().zip(covered) {
+            *sum = *sum + w.max(T::zero());
+        }
+    }
+    // Differences of parts may leave a little too much.
+    let total = sum.iter().fold(rachis, |sum, w| sum + *w).max(T::one());
+    let [barb, distal, proximal] = sum.map(|w| w / total);
+    Coverage {
+        rachis: rachis / total,
+        barb,
+        distal,
+        proximal,
+    }
 }

@@ -158,15 +158,16 @@ pub fn staircase<T: Real>(x: T, w: Width<T>) -> T {
     x + s * T::of(core::f64::consts::FRAC_1_PI) * sum
 }
 
-/// First and second derivative of [`staircase`].
-pub fn staircase_derivatives<T: Real>(x: T, w: Width<T>) -> (T, T) {
+/// First, second and third derivative of [`staircase`].
+pub fn staircase_derivatives<T: Real>(x: T, w: Width<T>) -> [T; 3] {
     if w.sharp > T::zero() {
         let y = (x - (x + T::of(0.5)).floor()) * w.sharp;
         let density = T::of(0.564_189_58) * w.sharp * (-y * y).exp();
-        return (density, T::of(-2.0) * y * w.sharp * density);
+        let third = (T::of(4.0) * y * y - T::of(2.0)) * w.sharp * w.sharp * density;
+        return [density, T::of(-2.0) * y * w.sharp * density, third];
     }
     if w.damping <= T::zero() {
-        return (T::one(), T::zero());
+        return [T::one(), T::zero(), T::zero()];
     }
     let q = w.damping;
     let s = sine_turns(x);
@@ -185,7 +186,12 @@ pub fn staircase_derivatives<T: Real>(x: T, w: Width<T>) -> (T, T) {
         * (q + T::of(2.0) * e * c
             + T::of(3.0) * g * q * (r - T::one())
             + T::of(4.0) * g * g * c * (r - T::of(2.0)));
-    (first, second)
+    let third = T::of(-4.0 * core::f64::consts::PI * core::f64::consts::PI)
+        * (q * c
+            + T::of(4.0) * e * (r - T::of(2.0))
+            + T::of(9.0) * g * q * c * (r - T::of(3.0))
+            + T::of(16.0) * g * g * (r * r - T::of(4.0) * r + T::of(2.0)));
+    [first, second, third]
 }
 
 /// The four phases at which two trains of half widths `h_d`, `h_p` begin and stop overlapping: `f(x+e)+f(x-e)-f(x+g)-f(x-g)`.
@@ -209,6 +215,15 @@ pub fn overlap_integral<T: Real>(x: T, h_d: T, h_p: T) -> T {
 /// Zero-mean integral of [`overlap_integral`].
 pub fn overlap_second_integral<T: Real>(x: T, h_d: T, h_p: T) -> T {
     T::of(1.0 / 24.0) * corners(x, h_d, h_p, |y| (y * (y - T::one())) * (y * (y - T::one())))
+}
+
+/// Zero-mean integral of [`overlap_second_integral`].
+pub fn overlap_third_integral<T: Real>(x: T, h_d: T, h_p: T) -> T {
+    T::of(1.0 / 120.0)
+        * corners(x, h_d, h_p, |y| {
+            let z = y * (y - T::one());
+            z * (y - T::of(0.5)) * (z - T::of(1.0 / 3.0))
+        })
 }
 
 /// `max(y, 0)` averaged over a box of half width `w` around `y`.

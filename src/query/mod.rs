@@ -28,13 +28,12 @@ mod near;
 mod point;
 pub mod published;
 pub mod reference;
+mod split;
 mod stripe;
 mod vane;
 
 pub use choose::{Choice, ErrorBudget, Evaluator, Lod, Quality, choose, classify_bounds};
-pub use coverage::{
-    Coverage, RachisSplit, cell_coverage, feather_coverage, split_rachis, vane_coverage,
-};
+pub use coverage::{Coverage, cell_coverage, feather_coverage, outlined_coverage, vane_coverage};
 pub use footprint::Footprint;
 pub use lattice::{MAX_COLUMNS, MAX_ROWS, lattice};
 pub use masking::{mask_rachis, mask_strip, mask_vane};
@@ -42,5 +41,6 @@ pub use math::Real;
 pub use mean::mean;
 pub use near::{MAX_CELLS, MAX_GAPS, near, near_counted};
 pub use point::{Component, PointHit, feather_point_query, point_query};
+pub use split::{Line, PARTS, Part, split_line, split_vane};
 pub use stripe::stripe;
 pub use vane::{Cell, Local, Vane, reduce};

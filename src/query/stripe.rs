@@ -2,7 +2,8 @@
 
 use super::{
     math::{
-        Real, overlap_integral, overlap_second_integral, staircase, staircase_derivatives, width,
+        Real, overlap_integral, overlap_second_integral, overlap_third_integral, staircase,
+        staircase_derivatives, width,
     },
     vane::{Cell, Local},
 };
@@ -14,15 +15,25 @@ pub fn stripe<T: Real>(cell: &Cell<T>, local: &Local<T>) -> [T; 3] {
     let (a, b) = (cell.v_low - local.u, cell.v_high - local.u);
     let open = staircase(b, w) - staircase(a, w);
     let (f_d, f_p) = (cell.h_d + cell.h_d, cell.h_p + cell.h_p);
-    let (first1, second1) = staircase_derivatives(b, w);
-    let (first0, second0) = staircase_derivatives(a, w);
-    let x1 = cell.phase_difference(cell.v_high);
-    let x0 = cell.phase_difference(cell.v_low);
-    let edge = overlap_integral(x1, cell.h_d, cell.h_p) * first1
-        - overlap_integral(x0, cell.h_d, cell.h_p) * first0;
-    let slope = overlap_second_integral(x1, cell.h_d, cell.h_p) * second1
-        - overlap_second_integral(x0, cell.h_d, cell.h_p) * second0;
+    let at_high = staircase_derivatives(b, w);
+    let at_low = staircase_derivatives(a, w);
+    let x_high = cell.phase_difference(cell.v_high);
+    let x_low = cell.phase_difference(cell.v_low);
+    // What the ends of the gap leave of the teeth: repeated integration by parts.
     let inverse = T::of(0.5) / cell.kappa;
-    let lower = f_p * (T::one() - f_d) * open + edge * inverse + slope * inverse * inverse;
+    let mut edges = T::zero();
+    for (order, integral) in [
+        overlap_third_integral,
+        overlap_second_integral,
+        overlap_integral,
+    ]
+    .iter()
+    .enumerate()
+    {
+        let [high, low] = [(x_high, at_high), (x_low, at_low)]
+            .map(|(x, derivatives)| integral(x, cell.h_d, cell.h_p) * derivatives[2 - order]);
+        edges = (edges + high - low) * inverse;
+    }
+    let lower = f_p * (T::one() - f_d) * open + edges;
     [T::one() - open, f_d * open, lower]
 }

@@ -1,13 +1,14 @@
 // Colour of a feather's fragment: coverage, masking, fibre scattering per light, environment, sheen, transparency.
 #import bevy_plumage::{
-    anatomy::{barb_root, barbule_factor, canonical_footprint, contour_coverage, hooked, vane_start_coverage},
+    anatomy::{barb_root, barbule_factor, canonical_footprint, hooked, vane_start_coverage},
     feather_bindings::{albedo_sampler, albedo_texture, contour_at, feather_at, feather_base, rachis_at, settings, sheen_at},
     feather_data as data,
     feather_io::FeatherVertex,
     feather_lighting as light,
     feather_pattern::{hash, pattern_threshold},
     masking::{mask_rachis, mask_vane},
-    query::{Footprint, mirrored, split_rachis, vane_coverage},
+    query::{Footprint, mirrored, reduce, vane_coverage, widened},
+    query_split::{averages, line_part, line_share, outline_line, rachis_line, rachis_share, split_line},
     scattering::{
         FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreShading, fibre_energy_split, fibre_evaluate, fibre_local, fibre_parameters,
         fibre_albedo, fibre_row_at, fibre_row_mix, fibre_shading, light_visibility, multiple_scattering,
@@ -67,53 +68,80 @@ struct Covered {
     right: bool,
 }
 
-fn cover_vane(base: u32, right: bool, footprint: Footprint, frame: Frame, shape: vec4<f32>, level: u32) -> vec3<f32> {
+// One vane's share of a footprint (over the left vane, or mirrored there) beside the rachis, whose edge is at x = edge.
+fn cover_vane(base: u32, right: bool, footprint: Footprint, edge: f32, frame: Frame, shape: vec4<f32>, level: u32) -> vec3<f32> {
+    let rachis = rachis_line(edge);
+    let beside = line_share(rachis, footprint);
+    if (beside < 1e-3) {
+        return vec3(0.0);
+    }
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
     let angles = feather_at(slot);
     let last = feather_at(slot + 2u);
     let vane = data::vane_unpack(angles, feather_at(slot + 1u), last);
-    // The right vane is the left one mirrored.
-    let side = select(1.0, -1.0, right);
-    var leftward = footprint;
-    if (right) { leftward = mirrored(footprint); }
-    let cell = mask_vane(vane, frame.local_eye * vec3(side, 1.0, 1.0));
     // Angle of the barbs in radians.
     let angle = last.w;
     let root = barb_root(footprint.mean, angle);
     let contour = contour_at(base, shape.z, root);
     let reach = select(contour.xz, contour.yw, right);
-    let inside = contour_coverage(footprint.mean, footprint.covariance, reach.x, reach.y, angle)
-        * vane_start_coverage(footprint.mean, footprint.covariance, shape.z, angle);
-    if (inside < 1e-3) {
+    let outline = outline_line(footprint.mean, reach, angle);
+    let inside = line_share(outline, footprint);
+    let mean = vec2(min(footprint.mean.x, -1e-6), footprint.mean.y);
+    let begun = vane_start_coverage(mean, footprint.covariance, shape.z, angle);
+    if (inside * begun < 1e-3) {
         return vec3(0.0);
     }
-#ifdef PUBLISHED_COVERAGE
-    // Whatever the LOD pass says of the card: sixteen nodes near, orders 1 and 2 far.
-    let covered = published_vane_coverage(cell, vane, leftward, PublishedMethod(PUBLISHED_SWITCH, 1u, 16u, 1, 2));
-#else ifdef SUPERSAMPLED_COVERAGE
-    let covered = published_vane_coverage(cell, vane, leftward, PublishedMethod(PUBLISHED_POINTS, SUPERSAMPLES, 16u, 1, 2));
-#else
-    let covered = vane_coverage(cell, vane, leftward, level, settings.threshold);
-#endif
+    // The right vane is the left one mirrored.
+    let cell = mask_vane(vane, frame.local_eye * vec3(select(1.0, -1.0, right), 1.0, 1.0));
     let hook = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
-    return inside * vec3(covered.x, covered.yz * hook);
+    // Whichever of rachis and outline takes more of the footprint cuts it into parts, the other one scales them.
+    var first = rachis;
+    var second = outline;
+    if (inside < beside) {
+        first = outline;
+        second = rachis;
+    }
+#ifdef PUBLISHED_COVERAGE
+    let resolved = false;
+#else
+    let resolved = level != data::CARD_MEAN && !averages(reduce(cell, vane, footprint), settings.threshold);
+#endif
+    let cut = split_line(footprint, first, resolved);
+    var covered = vec3(0.0);
+    for (var i = 0u; i < cut.parts; i++) {
+        let part = line_part(cut, i);
+        let mass = part.mass * line_share(second, part.footprint);
+        if (abs(mass) < 5e-4) {
+            continue;
+        }
+#ifdef PUBLISHED_COVERAGE
+        // Whatever the LOD pass says of the card: sixteen nodes near, orders 1 and 2 far.
+        let method = PublishedMethod(PUBLISHED_SWITCH, 1u, 16u, 1, 2);
+        covered += mass * published_vane_coverage(cell, vane, part.footprint, method);
+#else ifdef SUPERSAMPLED_COVERAGE
+        let method = PublishedMethod(PUBLISHED_POINTS, SUPERSAMPLES, 16u, 1, 2);
+        covered += mass * published_vane_coverage(cell, vane, part.footprint, method);
+#else
+        // What the LOD pass promised of whole footprints does not hold for their parts.
+        let part_level = select(level, data::CARD_MIXED, cut.parts > 1u);
+        covered += mass * vane_coverage(cell, vane, part.footprint, part_level, settings.threshold);
+#endif
+    }
+    covered = max(covered, vec3(0.0)) * begun;
+    return vec3(covered.x, covered.yz * hook);
 }
 
 fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u32) -> Covered {
     let rachis = rachis_at(base, in.uv.y);
     let canonical = canonical_footprint(in.uv, dpdx(in.uv), dpdy(in.uv), rachis.x, rachis.y, shape.x);
-    let split = split_rachis(Footprint(canonical.mean, canonical.cov), mask_rachis(rachis.z, frame.local_eye));
+    let footprint = widened(Footprint(canonical.mean, canonical.cov)).footprint;
+    let edges = mask_rachis(rachis.z, frame.local_eye);
     var covered: Covered;
-    covered.right = split.right_mass > split.left_mass;
+    covered.right = footprint.mean.x > 0.5 * (edges.x + edges.y);
     // The shaft ends where the card does.
-    covered.weights.x = split.rachis * smoothstep(1.0, 0.99, in.uv.y);
-    var vanes = vec3(0.0);
-    if (split.left_mass > 1e-3) {
-        vanes += split.left_mass * cover_vane(base, false, split.left, frame, shape, level);
-    }
-    if (split.right_mass > 1e-3) {
-        vanes += split.right_mass * cover_vane(base, true, split.right, frame, shape, level);
-    }
+    covered.weights.x = rachis_share(footprint, edges) * smoothstep(1.0, 0.99, in.uv.y);
+    let vanes = cover_vane(base, false, footprint, edges.x, frame, shape, level)
+        + cover_vane(base, true, mirrored(footprint), -edges.y, frame, shape, level);
     covered.weights = vec4(covered.weights.x, vanes);
     let total = dot(covered.weights, vec4(1.0));
     covered.weights = max(covered.weights, vec4(0.0)) / max(total, 1.0);

@@ -88,15 +88,15 @@ fn staircase(x: f32, w: Width) -> f32 {
     return x + s * (1.0 / PI) * sum;
 }
 
-// First and second derivative of `staircase`.
-fn staircase_derivatives(x: f32, w: Width) -> vec2<f32> {
+// First, second and third derivative of `staircase`.
+fn staircase_derivatives(x: f32, w: Width) -> vec3<f32> {
     if w.sharp > 0.0 {
         let y = (x - floor(x + 0.5)) * w.sharp;
         let density = 0.56418958 * w.sharp * exp(-y * y);
-        return vec2(density, -2.0 * y * w.sharp * density);
+        return density * vec3(1.0, -2.0 * y * w.sharp, (4.0 * y * y - 2.0) * w.sharp * w.sharp);
     }
     if w.damping <= 0.0 {
-        return vec2(1.0, 0.0);
+        return vec3(1.0, 0.0, 0.0);
     }
     let q = w.damping;
     let s = sine_turns(x);
@@ -107,7 +107,9 @@ fn staircase_derivatives(x: f32, w: Width) -> vec2<f32> {
     let g = e * e;
     let first = 1.0 + q * c + e * (r - 2.0) + g * q * c * (r - 3.0) + g * g * (r * r - 4.0 * r + 2.0);
     let second = -4.0 * PI * s * (q + 2.0 * e * c + 3.0 * g * q * (r - 1.0) + 4.0 * g * g * c * (r - 2.0));
-    return vec2(first, second);
+    let third = -4.0 * PI * PI
+        * (q * c + 4.0 * e * (r - 2.0) + 9.0 * g * q * c * (r - 3.0) + 16.0 * g * g * (r * r - 4.0 * r + 2.0));
+    return vec3(first, second, third);
 }
 
 // Phases at which two trains of half widths h_d, h_p begin and stop overlapping, in [0, 1): x + e, x - e, x + g, x - g.
@@ -140,6 +142,13 @@ fn overlap_second_integral(x: f32, h_d: f32, h_p: f32) -> f32 {
     let y = corners(x, h_d, h_p);
     let z = y * (y - 1.0);
     return (1.0 / 24.0) * corner_sum(z * z);
+}
+
+// Zero-mean integral of `overlap_second_integral`.
+fn overlap_third_integral(x: f32, h_d: f32, h_p: f32) -> f32 {
+    let y = corners(x, h_d, h_p);
+    let z = y * (y - 1.0);
+    return (1.0 / 120.0) * corner_sum(z * (y - 0.5) * (z - 1.0 / 3.0));
 }
 
 // max(y, 0) averaged over a box of half width `w` around `y`.

@@ -21,6 +21,7 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "query_far.wgsl");
         load_shader_library!(app, "query_near.wgsl");
         load_shader_library!(app, "query.wgsl");
+        load_shader_library!(app, "query_split.wgsl");
         load_shader_library!(app, "query_published.wgsl");
         load_shader_library!(app, "anatomy.wgsl");
         load_shader_library!(app, "scattering.wgsl");

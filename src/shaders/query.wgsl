@@ -2,7 +2,7 @@
 
 // Coverage of a pixel footprint by barbs and barbules. Twin of src/query, where the derivations are.
 
-#import bevy_plumage::math::{wrap, normal_density, normal_distribution}
+#import bevy_plumage::math::{wrap}
 #import bevy_plumage::masking::{Vane, Cell}
 #import bevy_plumage::query_far::{MAX_ROWS, Local, mean_coverage, stripe_coverage, lattice_coverage}
 #import bevy_plumage::query_near::{edge_climb, quality_for_threshold, near_coverage}
@@ -27,15 +27,6 @@ struct Footprint {
 struct Widened {
     footprint: Footprint,
     determinant: f32,
-}
-
-// A footprint cut at both sides of the rachis. Masses sum to 1. `right` still has x > 0.
-struct RachisSplit {
-    rachis: f32,
-    left_mass: f32,
-    left: Footprint,
-    right_mass: f32,
-    right: Footprint,
 }
 
 // The footprint with its minor axis widened to a sixteenth of the major one.
@@ -106,12 +97,14 @@ struct Choice {
 
 // The cheapest evaluator within the budget.
 fn choose(cell: Cell, local: Local, threshold: f32) -> Choice {
+    // What STRIPE leaves out of the teeth inside a gap is below half the budget from here on.
+    let least_teeth = max(threshold - 0.041, 0.05);
     let teeth = 4.0 * cell.kappa * cell.kappa * local.variance;
     if local.conditional > threshold {
         if local.variance > threshold {
             return Choice(LOD_MEAN, false, 0.0);
         }
-        if teeth > 0.25 {
+        if teeth > least_teeth {
             return Choice(LOD_FAR, false, 0.0);
         }
     }
@@ -119,14 +112,14 @@ fn choose(cell: Cell, local: Local, threshold: f32) -> Choice {
         return Choice(LOD_NEAR, false, 0.0);
     }
     let budget = row_budget(cell, local, threshold);
-    if teeth > 0.25 && local.conditional > budget {
+    if teeth > least_teeth && local.conditional > budget {
         return Choice(LOD_FAR, false, budget);
     }
     let rows = floor(sqrt(max(budget, 0.0) / local.conditional));
     let nodes = rows + 1.57079633 * max(budget, 0.0) / sqrt(local.conditional * local.variance);
     let open = cell.v_high - cell.v_low;
     let cells = 6.0 * sqrt(local.variance) * max(open, 1.0 - open) * edge_climb(cell, local) / 0.4 + 1.0;
-    if teeth > 0.25 && (local.variance > 25.0 || (rows <= f32(MAX_ROWS) && 1.2 * nodes <= cells)) {
+    if teeth > least_teeth && (local.variance > 25.0 || (rows <= f32(MAX_ROWS) && 1.2 * nodes <= cells)) {
         return Choice(LATTICE, false, budget);
     }
     return Choice(LOD_NEAR, 1.2 * nodes < 4.0 * cells, budget);
@@ -138,15 +131,16 @@ fn classify_bounds(vane: Vane, sigma_minor_min: f32, sigma_major_max: f32, thres
     let along = sigma_minor_min / vane.d_bl;
     let kappa = max(vane.cos_bl / vane.sin_bl * vane.p_b / vane.d_bl, 0.01);
     let teeth = 4.0 * kappa * kappa;
+    let least_teeth = max(threshold - 0.041, 0.05);
     if along * along > threshold && across * across > threshold {
         return LOD_MEAN;
     }
-    if along * along > threshold && teeth * across * across > 0.25 {
+    if along * along > threshold && teeth * across * across > least_teeth {
         return LOD_FAR;
     }
     let across_max = sigma_major_max / vane.p_b;
     let along_max = sigma_major_max / vane.d_bl;
-    if teeth * across_max * across_max <= 0.25 && (along_max * along_max <= threshold || across_max * across_max <= threshold) {
+    if teeth * across_max * across_max <= least_teeth && (along_max * along_max <= threshold || across_max * across_max <= threshold) {
         return LOD_NEAR;
     }
     return LOD_MIXED;
@@ -187,44 +181,4 @@ fn vane_coverage(cell: Cell, vane: Vane, footprint: Footprint, lod: u32, thresho
         return cell_coverage(cell, Local(0.0, 0.0, 1.0, 0.0, 1.0), lod, threshold);
     }
     return cell_coverage(cell, reduce(cell, vane, footprint), lod, threshold);
-}
-
-// Mass of the part of a footprint below `edge` along x.
-fn mass_below(f: Footprint, edge: f32) -> f32 {
-    let z = (edge - f.mean.x) / sqrt(f.covariance.x);
-    if z > 4.0 {
-        return 1.0;
-    }
-    let mass = normal_distribution(z);
-    return select(mass, 0.0, mass < 1e-4);
-}
-
-// That part, as a Gaussian of the same mean and covariance; `mass` from `mass_below`.
-fn part_below(f: Footprint, edge: f32, mass: f32) -> Footprint {
-    let cov = f.covariance;
-    let sigma = sqrt(cov.x);
-    let z = (edge - f.mean.x) / sigma;
-    if z > 4.0 || mass <= 0.0 {
-        return f;
-    }
-    let ratio = normal_density(z) / mass;
-    let shrink = clamp(1.0 - z * ratio - ratio * ratio, 0.02, 1.0);
-    let slope = cov.y / cov.x;
-    return Footprint(
-        vec2(f.mean.x - sigma * ratio, f.mean.y - slope * sigma * ratio),
-        vec3(cov.x * shrink, cov.y * shrink, cov.z - slope * cov.y * (1.0 - shrink)),
-    );
-}
-
-// Splits a footprint at the rachis, whose edges along x are `edges` (mask_rachis).
-fn split_rachis(footprint: Footprint, edges: vec2<f32>) -> RachisSplit {
-    let f = widened(footprint).footprint;
-    let flipped = mirrored(f);
-    let low = min(edges.x, edges.y);
-    let high = max(edges.x, edges.y);
-    let left_mass = mass_below(f, low);
-    let right_mass = mass_below(flipped, -high);
-    let left = part_below(f, low, left_mass);
-    let right = mirrored(part_below(flipped, -high, right_mass));
-    return RachisSplit(clamp(1.0 - left_mass - right_mass, 0.0, 1.0), left_mass, left, right_mass, right);
 }

@@ -2,7 +2,7 @@
 
 // Coverage by averages and by harmonics: MEAN, STRIPE, LATTICE. Twin of src/query/{mean,stripe,lattice}.rs.
 
-#import bevy_plumage::math::{PI, wrap, width, staircase, staircase_derivatives, overlap_integral, overlap_second_integral, sine_turns, cosine_turns}
+#import bevy_plumage::math::{PI, wrap, width, staircase, staircase_derivatives, overlap_integral, overlap_second_integral, overlap_third_integral, sine_turns, cosine_turns}
 #import bevy_plumage::masking::{Cell}
 
 // Most rows of harmonics, most nodes in a row.
@@ -45,11 +45,16 @@ fn stripe_coverage(cell: Cell, local: Local) -> vec3<f32> {
     let at_low = staircase_derivatives(a, w);
     let x_high = phase_difference(cell, cell.v_high);
     let x_low = phase_difference(cell, cell.v_low);
-    let edge = overlap_integral(x_high, cell.h_d, cell.h_p) * at_high.x - overlap_integral(x_low, cell.h_d, cell.h_p) * at_low.x;
-    let slope = overlap_second_integral(x_high, cell.h_d, cell.h_p) * at_high.y
-        - overlap_second_integral(x_low, cell.h_d, cell.h_p) * at_low.y;
+    // What the ends of the gap leave of the teeth: repeated integration by parts.
     let inverse = 0.5 / cell.kappa;
-    return vec3(1.0 - open, f_d * open, f_p * (1.0 - f_d) * open + edge * inverse + slope * inverse * inverse);
+    let third = overlap_third_integral(x_high, cell.h_d, cell.h_p) * at_high.z
+        - overlap_third_integral(x_low, cell.h_d, cell.h_p) * at_low.z;
+    let second = overlap_second_integral(x_high, cell.h_d, cell.h_p) * at_high.y
+        - overlap_second_integral(x_low, cell.h_d, cell.h_p) * at_low.y;
+    let first = overlap_integral(x_high, cell.h_d, cell.h_p) * at_high.x
+        - overlap_integral(x_low, cell.h_d, cell.h_p) * at_low.x;
+    let edges = ((third * inverse + second) * inverse + first) * inverse;
+    return vec3(1.0 - open, f_d * open, f_p * (1.0 - f_d) * open + edges);
 }
 
 // Coefficients of a train of arcs that covers the share `f` of its circle: sin(pi m f) / (pi m).

@@ -25,15 +25,15 @@ struct Quality {
 
 // The cheapest preset whose error is that of the switches at the chooser's threshold; finer beside a switch.
 fn quality_for_threshold(threshold: f32, beside_switch: bool) -> Quality {
-    var q = Quality(3.5, 0.1, 0.3, 0.8, 12.0, 0.6, 0.2);
+    var q = Quality(3.5, 0.1, 0.3, 0.8, 12.0, 0.6, 0.12);
     if threshold < 0.2425 {
         q = Quality(3.0, 0.5, 1.0, 1.5, 7.5, 0.8, 0.35);
     } else if threshold < 0.324 {
-        q = Quality(3.0, 0.4, 0.75, 1.5, 9.0, 0.8, 0.25);
+        q = Quality(3.0, 0.4, 0.75, 1.5, 9.0, 0.8, 0.18);
     } else if threshold < 0.359 {
-        q = Quality(3.2, 0.3, 0.6, 1.5, 9.0, 0.8, 0.2);
+        q = Quality(3.2, 0.3, 0.6, 1.5, 9.0, 0.8, 0.15);
     } else if threshold < 0.391 {
-        q = Quality(3.5, 0.15, 0.4, 0.8, 10.0, 0.8, 0.2);
+        q = Quality(3.5, 0.15, 0.4, 0.8, 10.0, 0.8, 0.15);
     }
     if beside_switch {
         q.cell_phase = min(q.cell_phase, 0.15);
@@ -109,13 +109,24 @@ fn visible_arc(x: f32, y: f32, hb: f32, h_p: f32, w: PieceWidths, box_half: f32)
     let from_above = hb - x - h_p;
     var low = smooth_positive(from_below, box_half) - hb;
     var high = hb - smooth_positive(from_above, box_half);
-    let length = max(smooth_positive(high - low, box_half), 1e-6);
+    let seen = high - low;
+    if seen <= -box_half {
+        return vec2(0.0, 1e-6);
+    }
+    let length = max(smooth_positive(seen, box_half), 1e-6);
     if x > 0.0 {
         low = high - length;
     } else {
         high = low + length;
     }
-    let mass = staircase(high - y, end_width(from_above, w, box_half)) - staircase(low - y, end_width(from_below, w, box_half));
+    // An arc that appears inside the piece has one width: two would leave a mass where its ends meet.
+    var above = w.both;
+    var below = w.both;
+    if seen >= box_half {
+        above = end_width(from_above, w, box_half);
+        below = end_width(from_below, w, box_half);
+    }
+    let mass = staircase(high - y, above) - staircase(low - y, below);
     return vec2(mass, length);
 }
 

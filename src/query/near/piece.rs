@@ -117,15 +117,24 @@ fn visible_arc<T: Real>(x: T, y: T, hb: T, h_p: T, w: &Widths<T>, box_half: T) -
     let from_above = hb - x - h_p;
     let mut low = smooth_positive(from_below, box_half) - hb;
     let mut high = hb - smooth_positive(from_above, box_half);
-    // An arc that appears inside the piece grows from the end of the complement that it touches first.
-    let length = smooth_positive(high - low, box_half).max(T::of(1e-6));
+    let seen = high - low;
+    if seen <= -box_half {
+        return [T::zero(), T::of(1e-6)];
+    }
+    // An arc that appears inside the piece grows from the end of the complement that it touches first, and has one width: two
+    // would leave a mass where its ends meet.
+    let length = smooth_positive(seen, box_half).max(T::of(1e-6));
     if x > T::zero() {
         low = high - length;
     } else {
         high = low + length;
     }
-    let mass = staircase(high - y, w.end(from_above, box_half))
-        - staircase(low - y, w.end(from_below, box_half));
+    let [above, below] = if seen < box_half {
+        [w.both, w.both]
+    } else {
+        [w.end(from_above, box_half), w.end(from_below, box_half)]
+    };
+    let mass = staircase(high - y, above) - staircase(low - y, below);
     [mass, length]
 }
 
