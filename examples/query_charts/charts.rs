@@ -157,7 +157,7 @@ fn number(x: &f64) -> String {
 
 fn share(x: &f64) -> String {
     if *x >= 5e-4 {
-        format!("{}", (x * 1e6).round() * 1e-6)
+        format!("{}", (x * 1e6).round() / 1e6)
     } else {
         format!("{x:.0e}")
     }

@@ -142,7 +142,7 @@ pub fn measure(gpu: &Gpu) -> Vec<Divergence> {
         ("tilted plane: 0.03 to 4", 0.03, 4.0),
     ];
     let best = |input: &[f32]| {
-        (0..5)
+        (0..20)
             .map(|_| gpu.run(&kernel, input, 1, Spread::Lane).0)
             .fold(f64::INFINITY, f64::min)
     };

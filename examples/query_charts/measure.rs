@@ -16,7 +16,7 @@ pub const ASPECTS: usize = 5;
 /// Cases of the sweep, half of them masked, on seeds that nothing was tuned on.
 const CASES: usize = 2400;
 const SEEDS: [u64; 2] = [90_417, 55_213];
-/// Rounds of timing, interleaved over the methods; the fastest counts.
+/// Rounds of timing on the GPU (a multiple on the CPU, interleaved over the methods); the fastest counts.
 const ROUNDS: usize = 3;
 /// Seconds per query from which a method is slow: it is timed once, and this many cases of a group stand for all.
 const SLOW: f64 = 3e-4;
@@ -279,7 +279,7 @@ fn time_texture(gpu: &Gpu, group: &Group) -> f64 {
         .flat_map(|(cell, local)| numbers(cell, local))
         .collect();
     let best = |kernel: &Kernel| {
-        (0..5)
+        (0..20)
             .map(|_| gpu.run(kernel, &input, 64, Spread::Tile).0)
             .fold(f64::INFINITY, f64::min)
     };
@@ -305,7 +305,7 @@ pub fn measure(gpu: Option<&Gpu>) -> Measured {
         }
     }
     eprintln!("errors known, timing");
-    for _ in 0..ROUNDS {
+    for _ in 0..3 * ROUNDS {
         for (index, group) in groups.iter().enumerate() {
             for (method, row) in methods.iter().zip(&mut results) {
                 if let Some(result) = row[index].as_mut().filter(|r| !r.slow) {
@@ -337,10 +337,13 @@ pub fn measure(gpu: Option<&Gpu>) -> Measured {
         methods.iter().position(same)
     };
     if let (Some(from), Some(to)) = (index(64), index(96)) {
-        for group in 0..groups.len() {
-            let ns = results[from][group].as_ref().and_then(|r| r.gpu);
-            if let Some(result) = &mut results[to][group] {
-                result.gpu = ns.map(|ns| ns * 96.0 / 64.0);
+        let times: Vec<Option<f64>> = results[from]
+            .iter()
+            .map(|r| r.as_ref()?.gpu.map(|ns| ns * 96.0 / 64.0))
+            .collect();
+        for (result, ns) in results[to].iter_mut().zip(times) {
+            if let Some(result) = result {
+                result.gpu = ns;
             }
         }
     }

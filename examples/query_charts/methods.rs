@@ -213,14 +213,21 @@ pub fn all() -> Vec<Method> {
 fn forced_all() -> Vec<Method> {
     let budget = ErrorBudget::<f32>::default();
     let threshold = budget.threshold();
-    vec![
+    let near_at = |name: &str, epsilon: f32| {
+        let budget = ErrorBudget::new(epsilon);
+        let threshold = budget.threshold();
         forced(
             Evaluator::Near,
-            "default",
+            name,
             Box::new(move |cell, local| near(cell, local, &budget.quality)),
             "#import bevy_plumage::query_near::{near_coverage, quality_for_threshold}",
             &format!("near_coverage(cell, local, quality_for_threshold({threshold:?}, false))"),
-        ),
+        )
+    };
+    vec![
+        near_at("1/100", 0.01),
+        near_at("1/255", 1.0 / 255.0),
+        near_at(DEFAULT, budget.epsilon),
         forced(
             Evaluator::Lattice,
             "default",

@@ -68,6 +68,7 @@ pub fn kinds(measured: &Measured) -> Vec<Evaluator> {
     let mut kinds = Vec::new();
     for method in &measured.methods {
         if let Family::Forced(kind) = method.family
+            && !kinds.contains(&kind)
             && measured.groups.iter().any(|g| g.kind == kind)
         {
             kinds.push(kind);

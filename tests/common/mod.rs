@@ -4,6 +4,7 @@
 pub mod app;
 pub mod geometry;
 pub mod gpu;
+pub mod stability;
 pub mod stack;
 pub mod sweep;
 pub mod view;
