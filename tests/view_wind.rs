@@ -40,7 +40,7 @@ fn still_air_changes_no_bit_and_wind_moves_feathers_and_their_motion_vectors() {
 
     stage
         .app
-        .insert_resource(Wind::new(Vec3::new(0.1, -1.0, 0.2), 4.0));
+        .insert_resource(Wind::new(Vec3::new(0.1, 1.0, 0.2), 4.0));
     frames(&mut stage, 3);
     let first = stage.picture();
     frames(&mut stage, 4);
