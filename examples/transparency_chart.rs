@@ -18,7 +18,7 @@ use plotters::prelude::*;
 use std::{error::Error, path::Path, time::Instant};
 
 /// Feathers one behind the other.
-const FEATHERS: usize = 24;
+const FEATHERS: usize = 12;
 /// Frames timed, the fastest of which counts.
 const FRAMES: u32 = 12;
 
@@ -53,18 +53,18 @@ fn main() -> Result<(), Box<dyn Error>> {
             4.0 * sample,
         ),
         (
-            "order independent, 2 a pixel",
+            "order independent, 8 sorted",
             Msaa::Off,
             FeatherTransparency::OrderIndependent,
-            Some(2.0),
-            2.0 * node + head,
+            Some((8, 4.0)),
+            4.0 * node + head,
         ),
         (
-            "order independent, 4 a pixel",
+            "order independent, 16 sorted",
             Msaa::Off,
             FeatherTransparency::OrderIndependent,
-            Some(4.0),
-            4.0 * node + head,
+            Some((16, 8.0)),
+            8.0 * node + head,
         ),
         (
             "blend, unsorted",
@@ -80,8 +80,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut entity = stage.app.world_mut().entity_mut(camera);
         entity.remove::<OrderIndependentTransparencySettings>();
         entity.insert(msaa);
-        if let Some(average) = list {
+        if let Some((sorted, average)) = list {
             entity.insert(OrderIndependentTransparencySettings {
+                sorted_fragment_max_count: sorted,
                 fragments_per_pixel_average: average,
                 ..default()
             });

@@ -38,9 +38,11 @@ fn still_air_changes_no_bit_and_wind_moves_feathers_and_their_motion_vectors() {
     frames(&mut stage, 3);
     assert!(still == stage.picture(), "wind of no speed moves feathers");
 
-    stage
-        .app
-        .insert_resource(Wind::new(Vec3::new(0.1, -1.0, 0.2), 4.0));
+    // Small eddies, so that much changes from frame to frame.
+    stage.app.insert_resource(Wind {
+        eddy: 0.05,
+        ..Wind::new(Vec3::new(0.1, -1.0, 0.2), 4.0)
+    });
     frames(&mut stage, 3);
     let first = stage.picture();
     frames(&mut stage, 4);

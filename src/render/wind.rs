@@ -213,6 +213,8 @@ const EDDY_SHARE: f32 = 0.3;
 const GUST_CELLS: f32 = 4.0;
 /// Share of the opening that wind along the lay presses flat.
 const PRESSING: f32 = 0.1;
+/// Largest angle downwards over that upwards: the body is in the way.
+const FLATTENING: f32 = 0.25;
 
 fn lattice_value(point: IVec3) -> f32 {
     let [x, y, z] = point.to_array().map(|c| c as u32);
@@ -252,7 +254,7 @@ pub fn wind_velocity(wind: &Wind, position: Vec3, time: f32) -> Vec3 {
     direction * (wind.speed + wind.gusts * gust)
 }
 
-/// Angle in radians by which the tip of a feather lifts off (below 0: is pressed down), within `limit` to either side. Wind
+/// Angle in radians by which the tip of a feather lifts off (below 0: is pressed down), at most `limit` up and a quarter of it down. Wind
 /// against the lay (`along`) opens the coat, wind along it presses it flat. `length` in metres, `wind` in m/s; compliance and
 /// limit from [`wind_response`].
 pub fn wind_lift(
@@ -269,7 +271,12 @@ pub fn wind_lift(
     let pressing = against.max(0.0) + (-under).max(0.0);
     let drive =
         compliance * length.max(0.0).sqrt() * (opening * opening - PRESSING * pressing * pressing);
-    limit * drive / (limit + drive.abs()).max(1e-9)
+    let most = if drive < 0.0 {
+        FLATTENING * limit
+    } else {
+        limit
+    };
+    most * drive / (most + drive.abs()).max(1e-9)
 }
 
 #[cfg(test)]
@@ -286,7 +293,7 @@ mod tests {
                 let open = lift(-Vec3::X * speed);
                 assert!(open > last && open < limit, "{stiffness} {speed}: {open}");
                 let flat = lift(Vec3::X * speed);
-                assert!(flat < 0.0 && flat > -0.5 * open.max(0.5 * limit), "{flat}");
+                assert!(flat < 0.0 && flat > -FLATTENING * limit, "{flat}");
                 last = open;
             }
         }

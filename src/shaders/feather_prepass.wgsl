@@ -1,5 +1,5 @@
 // Depth, normal and motion prepass of cameras, and shadow maps. In a prepass the silhouette is that of the colour pass; a shadow
-// map takes the mean coverage inside the contour, made holes by a fixed pattern. Both entry points are in one file, because a
+// map takes the mean coverage at the light's angle, made holes by a fixed pattern. Both entry points are in one file, because a
 // pipeline that Bevy makes without fragment stage gets this one (FeatherMaterial::specialize).
 #import bevy_pbr::mesh_view_bindings::view
 #import bevy_render::globals::Globals
@@ -7,7 +7,7 @@
 #import bevy_pbr::prepass_bindings::previous_view_uniforms
 #endif
 #import bevy_plumage::{
-    anatomy::{barb_root, canonical_footprint, contour_coverage, vane_start_coverage},
+    anatomy::{barb_root, barbule_factor, canonical_footprint, contour_coverage, hooked, vane_start_coverage},
     feather_bindings::{contour_at, feather_at, feather_base, rachis_at},
     feather_cover::{cover, frame_of},
     feather_data as data,
@@ -70,9 +70,13 @@ fn shadow_opacity(in: FeatherVertex, base: u32, shape: vec4<f32>) -> f32 {
     let root = barb_root(footprint.mean, last.w);
     let contour = contour_at(base, shape.z, root);
     let reach = select(contour.xz, contour.yw, right);
+    // The light sees the vane at its own angle.
+    let light = frame_of(in).local_eye * vec3(select(1.0, -1.0, right), 1.0, 1.0);
+    let covered = mean_coverage(mask_vane(vane, light));
+    let hook = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
     return contour_coverage(footprint.mean, footprint.cov, reach.x, reach.y, last.w)
         * vane_start_coverage(footprint.mean, footprint.cov, shape.z, last.w)
-        * dot(mean_coverage(mask_vane(vane, vec3(0.0, 0.0, 1.0))), vec3(1.0));
+        * (covered.x + (covered.y + covered.z) * hook);
 }
 
 // Whether the fragment is no part of the silhouette; its samples otherwise.

@@ -20,6 +20,8 @@ const EDDY_SHARE: f32 = 0.3;
 const GUST_CELLS: f32 = 4.0;
 // Share of the opening that wind along the lay presses flat.
 const PRESSING: f32 = 0.1;
+// Largest angle downwards over that upwards: the body is in the way.
+const FLATTENING: f32 = 0.25;
 
 // Integer hash (PCG, O'Neill 2014) of a lattice point, in [0, 1).
 fn lattice_value(point: vec3<i32>) -> f32 {
@@ -59,7 +61,8 @@ fn wind_lift(wind: vec3<f32>, along: vec3<f32>, normal: vec3<f32>, length: f32, 
     let opening = max(-against, 0.0) + max(under, 0.0);
     let pressing = max(against, 0.0) + max(-under, 0.0);
     let drive = compliance * sqrt(max(length, 0.0)) * (opening * opening - PRESSING * pressing * pressing);
-    return limit * drive / max(limit + abs(drive), 1e-9);
+    let most = select(limit, FLATTENING * limit, drive < 0.0);
+    return most * drive / max(most + abs(drive), 1e-9);
 }
 
 // `v` turned about the axis of `turn` by its length in radians (Rodrigues).
