@@ -34,11 +34,11 @@ fn main() {
             fov,
         };
         app.insert_resource(Shots {
-            hero: shot(1.2, 0.45, 1.4, 20.0),
+            hero: shot(1.2, 0.45, 1.4, 14.0),
             closeup: shot(0.35, 0.15, 0.3, 24.0),
             macro_: shot(0.2, 0.08, 0.16, 18.0),
-            full: shot(2.0, 0.2, 0.0, 20.0),
-            back: shot(-1.0, 0.6, -1.5, 20.0),
+            full: shot(2.0, 0.2, 0.0, 18.0),
+            back: shot(-1.0, 0.6, -1.5, 16.0),
             far: shot(3.0, 1.0, 4.0, 24.0),
         })
         .add_systems(Startup, setup)

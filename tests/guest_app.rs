@@ -385,6 +385,7 @@ fn a_bend_between_root_and_tip_does_not_cull() {
         VertexAttributeValues::Uint16x4(joints),
     );
     mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, shares);
+    drop(mesh);
     world.entity_mut(bird).insert(SkinnedMesh {
         inverse_bindposes,
         joints: vec![skin.joints[0], second],
