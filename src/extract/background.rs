@@ -40,10 +40,11 @@ fn solve<const N: usize>(mut m: [[f64; N]; N], mut r: [f64; N]) -> [f64; N] {
         if m[i][i].abs() < 1e-12 {
             continue;
         }
+        let upper = m[i];
         for j in i + 1..N {
-            let factor = m[j][i] / m[i][i];
-            for k in i..N {
-                m[j][k] -= factor * m[i][k];
+            let factor = m[j][i] / upper[i];
+            for (value, above) in m[j].iter_mut().zip(upper).skip(i) {
+                *value -= factor * above;
             }
             r[j] -= factor * r[i];
         }

@@ -16,7 +16,7 @@ const ALIGNMENT: i32 = 6;
 pub(super) struct Score {
     /// S, 0..1.
     pub score: Plane,
-    /// Signed vesselness of lightness at the ridge's own scale: > 0 brighter than around it.
+    /// Scale of the strongest ridge in pixels, about the half width of a shaft; 0 where there is none.
     pub radius: Plane,
     /// Distance to the outline in pixels.
     pub distance: Plane,
@@ -82,7 +82,7 @@ pub(super) fn score(light: &Plane, lab: &Lab, mask: &GrayImage, main: &[Vec2]) -
         let smooth = channels.each_ref().map(|plane| plane.blur(sigma));
         let mut strength = Plane::new(width, height, 0.0);
         let mut response = Plane::new(width, height, 0.0);
-        for y in 0..height {
+        for (y, main) in main.iter().enumerate().take(height) {
             for x in 0..width {
                 let i = y * width + x;
                 if mask.as_raw()[i] == 0 {
@@ -98,7 +98,7 @@ pub(super) fn score(light: &Plane, lab: &Lab, mask: &GrayImage, main: &[Vec2]) -
                     let (small, large, along) = eigen(xx, xy, yy);
                     let structure = small.hypot(large);
                     let blob = small / if large.abs() > 1e-9 { large } else { 1e-9 };
-                    let aligned = along.dot(main[y]).abs().powi(ALIGNMENT);
+                    let aligned = along.dot(*main).abs().powi(ALIGNMENT);
                     let ridge = (-blob * blob / (2.0 * BETA * BETA)).exp() * aligned;
                     sum += (structure * ridge).powi(2);
                     norm += structure * structure;
@@ -127,8 +127,8 @@ pub(super) fn score(light: &Plane, lab: &Lab, mask: &GrayImage, main: &[Vec2]) -
         .map(|(a, b)| b - a)
         .fold(1.0, f32::max);
     let mut score = Plane::new(width, height, 0.0);
-    for y in 0..height {
-        let Some((low, high)) = span[y] else { continue };
+    for (y, row) in span.iter().enumerate() {
+        let Some((low, high)) = *row else { continue };
         let half = 0.5 * (high - low);
         let bare = (1.0 - (2.0 * half / widest - 0.08) / 0.08).clamp(0.0, 1.0);
         for x in low as usize..high as usize {
