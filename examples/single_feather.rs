@@ -28,6 +28,11 @@ fn main() {
             app.add_systems(Update, spawn);
             return;
         }
+        #[cfg(not(feature = "extract"))]
+        if app.world().resource::<Args>().photo.is_some() {
+            eprintln!("single_feather: --photo needs `--features extract`");
+            std::process::exit(2);
+        }
         // Half way up; the card leans back a little there.
         let middle = Vec3::new(0.006, 0.1542, -0.0135);
         app.insert_resource(Shots {

@@ -1,7 +1,8 @@
 //! How good the extraction is, on synthetic photographs with known truth: tables, `extract_*.svg` and `extract_*.csv`.
 //!
 //! `cargo run --features extract --example extract_charts [folder] [photographs]` (default `docs/charts`, 520; the least is 39).
-//! `--photograph PRESET FILE` writes one of them. The picture of 12 megapixels is extracted by a process of its own, whose time and memory are printed.
+//! `--photograph PRESET FILE` writes one of them. The picture of 12 megapixels is extracted by a process of its own, whose time
+//! and memory are printed; `--large [folder]` does that alone.
 
 mod chart;
 #[path = "../../tests/extract_common/mod.rs"]
@@ -50,6 +51,11 @@ fn main() -> Result<()> {
         && flag == "--photograph"
     {
         return photograph(name, Path::new(file));
+    }
+    if arguments.first().is_some_and(|flag| flag == "--large") {
+        return large(Path::new(
+            arguments.get(1).map_or("docs/charts", String::as_str),
+        ));
     }
     let folder = PathBuf::from(arguments.first().map_or("docs/charts", String::as_str));
     let count = arguments.get(1).map_or(Ok(520), |text| text.parse())?;
@@ -289,7 +295,24 @@ fn extract_alone(file: &Path) -> Result<()> {
         std::thread::available_parallelism()?,
         found.confidence.overall()
     );
-    // Linux only; elsewhere the line is missing.
+    // Linux only; elsewhere these lines are missing.
+    let stat = fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let ticks: Vec<f64> = stat
+        .rsplit(')')
+        .next()
+        .unwrap_or_default()
+        .split_whitespace()
+        .skip(11)
+        .take(2)
+        .filter_map(|ticks| ticks.parse().ok())
+        .collect();
+    if ticks.len() == 2 {
+        // User and system time of all threads; Linux counts in hundredths of a second.
+        println!(
+            "CPU time of the process: {:.2} s",
+            ticks.iter().sum::<f64>() / 100.0
+        );
+    }
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let peak = status
         .lines()

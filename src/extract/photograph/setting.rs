@@ -234,13 +234,10 @@ impl Setting {
         let ground = colour::oklab(self.ground.map(colour::linear));
         let rows = 40;
         let bytes = self.pattern(feather).bake(5, rows, feather);
-        let shares = [0.35, 0.95];
         let mut distances: Vec<f32> = bytes
             .chunks_exact(4)
             .map(|texel| {
-                let linear = colour::tinted(texel, self.tint);
-                let seen = linear.map(|value| value * (shares[0] + shares[1]) / 1.3);
-                let lab = colour::oklab(seen);
+                let lab = colour::oklab(colour::tinted(texel, self.tint));
                 (0..3)
                     .map(|i| (lab[i] - ground[i]).powi(2))
                     .sum::<f32>()
