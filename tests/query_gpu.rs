@@ -306,3 +306,68 @@ fn published_methods() {
     assert!(worst[0] <= 2.1 / 64.0, "{worst:?}");
     assert!(worst[1..].iter().all(|e| *e < 2e-4), "{worst:?}");
 }
+
+#[test]
+fn any_input_gives_shares() {
+    // Every number is drawn on the GPU from its index: ordinary ones, zeros, denormals, extremes.
+    let text = "#import bevy_plumage::masking::{Vane, mask_vane}
+        #import bevy_plumage::query::{Footprint, vane_coverage, LOD_MIXED}
+        #import bevy_plumage::query_split::{rachis_line, split_line, line_part}
+        fn hash(x: u32) -> u32 {
+            let a = x * 747796405u + 2891336453u;
+            let b = ((a >> ((a >> 28u) + 4u)) ^ a) * 277803737u;
+            return (b >> 22u) ^ b;
+        }
+        var<private> state: u32;
+        fn any_number(scale: f32) -> f32 {
+            state = hash(state);
+            let kind = state % 41u;
+            if kind == 0u { return 0.0; }
+            if kind == 1u { return bitcast<f32>(state >> 12u); }
+            if kind == 2u { return 3.0e38; }
+            if kind == 3u { return -3.0e38; }
+            if kind == 4u { return 1e-30; }
+            return (f32(state >> 8u) / 8388608.0 - 1.0) * scale;
+        }
+        fn evaluate(i: u32) {
+            state = hash(i + 17u);
+            var vane = Vane(0.004, 0.0004, 0.825, 0.565, 0.765, 0.644, 3e-4, 6e-5, 8e-5);
+            if i % 3u == 0u {
+                vane.p_b = max(abs(any_number(0.01)), 1e-6);
+                vane.d_bl = max(abs(any_number(0.001)), 1e-6);
+                vane.r_b = abs(any_number(0.002));
+                vane.r_bd = abs(any_number(0.0003));
+                vane.r_bp = abs(any_number(0.0003));
+            }
+            let size = pow(10.0, clamp(any_number(1.0), -1.0, 1.0) * 3.0 - 4.0);
+            let a = any_number(size);
+            let b = any_number(size);
+            let c = any_number(size);
+            var f = Footprint(vec2(any_number(0.2), any_number(1.0)), vec3(a * a, a * b, b * b + c * c));
+            if i % 5u == 0u {
+                f.covariance = vec3(any_number(size), any_number(size), any_number(size));
+            }
+            let view = vec3(any_number(1.0), any_number(1.0), any_number(1.0));
+            let cell = mask_vane(vane, view);
+            let w = vane_coverage(cell, vane, f, LOD_MIXED, THRESHOLD);
+            var wrong = max(max(-w.x, -w.y), -w.z);
+            wrong = max(wrong, w.x + w.y + w.z - 1.0);
+            let cut = split_line(f, rachis_line(any_number(0.1)), true);
+            var mass = 0.0;
+            for (var j = 0u; j < cut.parts; j++) { mass += line_part(cut, j).mass; }
+            wrong = max(wrong, max(-mass, mass - 1.0) - 1e-5);
+            // A comparison with what is no number fails, too.
+            output[i] = select(1.0, wrong, wrong <= 2e-6 && mass > -1.0 && w.x + w.y + w.z < 2.0);
+        }";
+    let count = 1_000_000;
+    let Some(result) = gpu::run(&FILES, &with_threshold(text), &[0.0], count, count) else {
+        return;
+    };
+    let wrong: Vec<usize> = (0..count).filter(|i| result[*i] > 2e-6).collect();
+    assert!(
+        wrong.is_empty(),
+        "{} inputs, first {:?}",
+        wrong.len(),
+        &wrong[..wrong.len().min(8)]
+    );
+}

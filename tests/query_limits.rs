@@ -9,10 +9,17 @@ use bevy_plumage::query::{
 use common::sweep::{self, between};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
 
 #[test]
 fn any_input_gives_shares() {
-    let mut random = Pcg64Mcg::seed_from_u64(41);
+    (0..8u64)
+        .into_par_iter()
+        .for_each(|seed| any_inputs(41 + 100 * seed, 125_000));
+}
+
+fn any_inputs(seed: u64, count: u32) {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
     let budget = ErrorBudget::<f32>::default();
     let odd = [
         0.0f32,
@@ -24,9 +31,10 @@ fn any_input_gives_shares() {
         f32::NEG_INFINITY,
         f32::MAX,
         1e-38,
+        1e-42,
         -1e-20,
     ];
-    for i in 0..1_000_000u32 {
+    for i in 0..count {
         let mut any = |scale: f64| {
             if random.random_range(0..40) == 0 {
                 odd[random.random_range(0..odd.len())]
@@ -278,7 +286,10 @@ fn bounds_of_a_card_hold_for_its_pixels() {
         let kind = choose(&cell, &reduce(&cell, &vane, &f), threshold).evaluator;
         match lod {
             Lod::Mean => assert_eq!(kind, Evaluator::Mean),
-            Lod::Far => assert!(kind != Evaluator::Near, "{vane:?} {f:?}"),
+            Lod::Far => assert!(
+                matches!(kind, Evaluator::Stripe | Evaluator::Mean),
+                "{vane:?} {f:?}"
+            ),
             Lod::Near => assert_eq!(kind, Evaluator::Near),
             Lod::Mixed => {}
         }

@@ -152,6 +152,25 @@ impl<T: Real> ErrorBudget<T> {
         }
     }
 
+    /// Largest error of one weight that is promised where [`choose`] picks this evaluator.
+    ///
+    /// MEAN and STRIPE: what the dropped harmonics may add up to (range query study, sec. 4). LATTICE and NEAR: measured, with a
+    /// margin, over a million random footprints (`tests/query_bounds.rs`).
+    pub fn bound(&self, evaluator: Evaluator) -> T {
+        // What the approximations of one variable leave whatever the budget.
+        let floor = T::of(3e-4);
+        let promised = match evaluator {
+            Evaluator::Mean => return T::of(1.5) * self.epsilon + floor,
+            Evaluator::Stripe | Evaluator::Lattice => return T::of(2.0) * self.epsilon + floor,
+            Evaluator::Near => self.quality,
+        };
+        if promised.cell_sigmas > T::of(0.9) {
+            T::of(0.06)
+        } else {
+            T::of(0.03)
+        }
+    }
+
     /// Variance, in periods squared, from which a pattern may be replaced by its average: dropping every harmonic costs at most
     /// `(2 / pi) exp(-2 pi^2 v)` per direction. 0.275 for 1/255. This is the shader's `threshold`.
     pub fn threshold(&self) -> T {
@@ -173,7 +192,7 @@ pub(crate) fn row_budget<T: Real>(cell: &Cell<T>, local: &Local<T>, threshold: T
     let window = (one.max((one + T::of(0.4) / sigma).min(T::of(3.2) * x))
         / (T::of(core::f64::consts::PI) * x))
         .min(one);
-    threshold + (T::of(0.64 / 0.9) * window * density).ln() / T::of(19.739_208_8)
+    threshold + (window * density).ln() / T::of(19.739_208_8)
 }
 
 /// What the chooser picked.

@@ -1,6 +1,9 @@
 //! The pixel footprint.
 
-use super::math::{Real, clamp};
+use super::{
+    error::QueryError,
+    math::{Real, clamp},
+};
 
 /// A Gaussian over the canonical plane: what one pixel sees (Chen et al. 2026, Sec. 5.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +20,40 @@ pub(crate) const ASPECT_SQUARED: f64 = 256.0;
 pub(crate) const LEAST_VARIANCE: f64 = 1e-16;
 
 impl<T: Real> Footprint<T> {
+    /// A footprint from its mean and covariance `[xx, xy, yy]`, or what is wrong with them: each has to be finite, the mean within 16
+    /// feather lengths, the variances 0 to 256, and `xy` at most `sqrt(xx yy)` (to rounding). A singular covariance is one.
+    ///
+    /// The fields are public, and every function of the query moves what is not a footprint to the nearest one instead of
+    /// failing; this is for callers that want to know.
+    pub fn new(mean: [T; 2], covariance: [T; 3]) -> Result<Self, QueryError> {
+        let check = |field: &'static str, value: T, low: f64, high: f64| {
+            let value = value.to_f64().unwrap_or(f64::NAN);
+            if !value.is_finite() {
+                Err(QueryError::NotFinite { field, value })
+            } else if value < low || value > high {
+                Err(QueryError::OutOfRange {
+                    field,
+                    value,
+                    low,
+                    high,
+                })
+            } else {
+                Ok(())
+            }
+        };
+        check("mean[0]", mean[0], -16.0, 16.0)?;
+        check("mean[1]", mean[1], -16.0, 16.0)?;
+        check("covariance[0]", covariance[0], 0.0, 256.0)?;
+        check("covariance[2]", covariance[2], 0.0, 256.0)?;
+        let bound = (covariance[0] * covariance[2])
+            .sqrt()
+            .to_f64()
+            .unwrap_or(0.0);
+        let bound = bound * (1.0 + 1e-5) + 1e-30;
+        check("covariance[1]", covariance[1], -bound, bound)?;
+        Ok(Self { mean, covariance })
+    }
+
     /// A round footprint.
     pub fn round(mean: [T; 2], sigma: T) -> Self {
         Self {

@@ -5,11 +5,20 @@
 //!
 //! 1. [`mask_vane`] turns a [`Vane`] and a view direction into a [`Cell`], the vane's pattern in units of its own two periods.
 //! 2. [`reduce`] brings the footprint into that cell ([`Local`]).
-//! 3. [`choose`] picks an evaluator within an [`ErrorBudget`]: [`near`] resolves everything, [`stripe`] averages along the
-//!    barb, [`mean`] is a constant of the cell.
-//! 4. [`feather_coverage`] does all of it for both vanes and splits a footprint that lies across the rachis.
+//! 3. [`choose`] picks an evaluator within an [`ErrorBudget`]: [`near()`] resolves everything, [`stripe()`] averages along the
+//!    barb, [`lattice()`] adds the few harmonics that this leaves out, [`mean()`] is a constant of the cell.
+//! 4. [`feather_coverage`] does all of it for both vanes and cuts a footprint that lies across the rachis or an outline
+//!    ([`split_line`]).
 //!
-//! Everything is generic over `f32` and `f64` and has a twin of the same name in `src/shaders/{math,masking,query}.wgsl`.
+//! | evaluator | differs from the exact coverage by at most ([`ErrorBudget::bound`]) | cost |
+//! |---|---|---|
+//! | MEAN | 1.5 budgets | nothing: a constant of the card |
+//! | STRIPE | 2 budgets | a closed form |
+//! | LATTICE | 2 budgets | a closed form and up to a few dozen harmonics |
+//! | NEAR | 0.03 at the default budget | closed forms, or up to 144 cells |
+//!
+//! Everything is generic over `f32` and `f64` and has a twin of the same name in
+//! `src/shaders/{math,masking,query,query_far,query_near,query_split}.wgsl`.
 //! The derivations, bounds and measurements are those of the range query study; equation numbers are those of
 //! Chen et al. 2026. [`mod@reference`] judges the evaluators and shares no code with them.
 //!
@@ -19,6 +28,7 @@
 
 mod choose;
 mod coverage;
+mod error;
 mod footprint;
 mod lattice;
 mod masking;
@@ -34,6 +44,7 @@ mod vane;
 
 pub use choose::{Choice, ErrorBudget, Evaluator, Lod, Quality, choose, classify_bounds};
 pub use coverage::{Coverage, cell_coverage, feather_coverage, outlined_coverage, vane_coverage};
+pub use error::QueryError;
 pub use footprint::Footprint;
 pub use lattice::{MAX_COLUMNS, MAX_ROWS, lattice};
 pub use masking::{mask_rachis, mask_strip, mask_vane};

@@ -20,6 +20,8 @@ const PIXEL_SIGMA: f32 = 0.5;
 const BENDING: f32 = 0.25;
 // A footprint longer than this many times its width counts as this long.
 const MAX_ASPECT: f32 = 16.0;
+// What the curve of the rachis and a bend of the card may take off a footprint's minor axis.
+const LEAST_STRETCH: f32 = 0.85;
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> params: LodParams;
@@ -82,10 +84,17 @@ fn classify_card(index: u32) -> u32 {
     let is_orthographic = view.clip_from_view[3].w == 1.0;
     let nearest = select(max(depth - radius, 1e-4), 1.0, is_orthographic);
     let farthest = select(max(depth + radius, 1e-4), 1.0, is_orthographic);
-    let minor = PIXEL_SIGMA * pixel * nearest / feather_length;
-    let major = PIXEL_SIGMA * pixel * farthest / feather_length * MAX_ASPECT;
     let base = data::FEATHERS_BASE
         + min(data::card_feather(card.feather), max(u32(feathers[0].x), 1u) - 1u) * data::FEATHER_STRIDE;
+    // Canonical lengths per metre, along and across: the groom may have made the card wider than the feather's own aspect.
+    let aspect = feathers[min(base + data::SHAPE, arrayLength(&feathers) - 1u)].x;
+    let along = 1.0 / feather_length;
+    let across = aspect * card.length / max(card.width, 1e-9) * along;
+    // Off the optical axis a pixel spans less of a surface that faces it.
+    let aside = length((view.view_from_world * vec4(center, 1.0)).xy);
+    let slant = select(nearest / max(length(vec2(nearest, aside + radius)), 1e-9), 1.0, is_orthographic);
+    let minor = PIXEL_SIGMA * pixel * nearest * slant * LEAST_STRETCH * min(along, across);
+    let major = PIXEL_SIGMA * pixel * farthest * max(along, across) * MAX_ASPECT;
     let left = classify_bounds(feather_vane(base, data::LEFT_VANE), minor, major, params.threshold);
     let right = classify_bounds(feather_vane(base, data::RIGHT_VANE), minor, major, params.threshold);
     return select(data::CARD_MIXED, left, left == right);

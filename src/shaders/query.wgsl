@@ -84,7 +84,7 @@ fn row_budget(cell: Cell, local: Local, threshold: f32) -> f32 {
     let slowest = min(abs(cell.kappa - local.slope), abs(cell.kappa + local.slope));
     let x = max(slowest - 0.47 / sigma, 0.32);
     let window = min(max(1.0, min(1.0 + 0.4 / sigma, 3.2 * x)) / (3.14159265 * x), 1.0);
-    return threshold + log(0.64 / 0.9 * window * density) / 19.7392088;
+    return threshold + log(window * density) / 19.7392088;
 }
 
 // What the chooser picked: an evaluator (LOD_NEAR, LATTICE, LOD_FAR for STRIPE, LOD_MEAN), whether NEAR has to be fine because it
