@@ -143,7 +143,12 @@ fn try_draw(
         .draw()?;
     for side in [-bound, bound] {
         let ends = [(first.at, side), (last.at, side)];
-        chart.draw_series(DashedLineSeries::new(ends, 6, 5, RGBColor(120, 120, 120).into()))?;
+        chart.draw_series(DashedLineSeries::new(
+            ends,
+            6,
+            5,
+            RGBColor(120, 120, 120).into(),
+        ))?;
     }
     for (i, colour) in COLOURS.iter().enumerate() {
         let error = path.iter().map(|s| (s.at, s.value[i] - s.truth[i]));

@@ -1,0 +1,147 @@
+//! What an edit costs: a number of a feather re-uploads one buffer, a groom is built once and off the main thread.
+
+mod common;
+
+use bevy::prelude::*;
+use bevy_plumage::{
+    anatomy::{Feather, presets},
+    groom::PlumageOutput,
+    prelude::*,
+    render::PlumageWork,
+};
+use common::{app::Stage, view::patch_groom};
+use std::time::{Duration, Instant};
+
+fn work(stage: &Stage) -> PlumageWork {
+    *stage.app.world().resource::<PlumageWork>()
+}
+
+/// A square that wears a feather made in code; its entity and the feather.
+fn dress(stage: &mut Stage, count: u32) -> (Entity, Handle<Groom>) {
+    let groom = stage
+        .app
+        .world_mut()
+        .resource_mut::<Assets<Groom>>()
+        .add(patch_groom(count));
+    let skin = stage.spawn_skin();
+    stage
+        .app
+        .world_mut()
+        .entity_mut(skin)
+        .insert(Plumage::new(groom.clone()).with_seed(3));
+    stage.settle();
+    (skin, groom)
+}
+
+fn worn(stage: &mut Stage) -> AssetId<Feather> {
+    let mut cards = stage
+        .app
+        .world_mut()
+        .query::<&bevy_plumage::groom::PlumageCards>();
+    cards.single(stage.app.world()).unwrap().feathers[0].id()
+}
+
+#[test]
+fn an_optics_slider_uploads_one_buffer_and_builds_nothing() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    dress(&mut stage, 60);
+    let id = worn(&mut stage);
+    let before = work(&stage);
+    let picture = stage.picture();
+    for step in 1..=3 {
+        let mut feathers = stage.app.world_mut().resource_mut::<Assets<Feather>>();
+        let mut feather = feathers.get(id).unwrap().clone();
+        feather.optics.barb.longitudinal_roughness += 0.05;
+        feather.optics.sheen.strength = 0.9;
+        feather.albedo.share.barb = 0.2;
+        feathers.insert(id, feather).unwrap();
+        stage.frame();
+        stage.frame();
+        let now = work(&stage);
+        assert_eq!(now.feather_buffers, before.feather_buffers + step);
+        assert_eq!(now.albedo_textures, before.albedo_textures);
+        assert_eq!(now.materials, before.materials);
+    }
+    let changed = stage.picture();
+    let difference: f32 = picture
+        .iter()
+        .zip(&changed)
+        .map(|(a, b)| (a[0] - b[0]).abs() + (a[1] - b[1]).abs() + (a[2] - b[2]).abs())
+        .sum();
+    assert!(difference > 1.0, "the edit does not show: {difference}");
+}
+
+#[test]
+fn a_colour_is_painted_anew_and_shows() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    dress(&mut stage, 60);
+    let id = worn(&mut stage);
+    let before = work(&stage);
+    let mut feathers = stage.app.world_mut().resource_mut::<Assets<Feather>>();
+    let mut feather = presets::by_name("contour").unwrap();
+    feather.image = feathers.get(id).unwrap().image.clone();
+    for stop in &mut feather.albedo.front.stops {
+        *stop = (stop.0, [0.0, 0.9, 0.0], 0.0);
+    }
+    feathers.insert(id, feather).unwrap();
+    for _ in 0..4 {
+        stage.frame();
+    }
+    let now = work(&stage);
+    assert_eq!(now.albedo_textures, before.albedo_textures + 1);
+    let sum = stage.picture().iter().fold([0.0; 3], |s: [f32; 3], p| {
+        [s[0] + p[0], s[1] + p[1], s[2] + p[2]]
+    });
+    assert!(sum[1] > 1.3 * sum[0] && sum[1] > 1.3 * sum[2], "{sum:?}");
+}
+
+#[test]
+fn a_density_slider_builds_one_groom_off_the_main_thread() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let (skin, handle) = dress(&mut stage, 4000);
+    let mut still = Vec::new();
+    for _ in 0..9 {
+        let start = Instant::now();
+        stage.frame();
+        still.push(start.elapsed());
+    }
+    still.sort();
+    let first = stage.app.world().get::<PlumageOutput>(skin).unwrap().0;
+    let before = work(&stage);
+    let mut grooms = stage.app.world_mut().resource_mut::<Assets<Groom>>();
+    grooms.get_mut(&handle).unwrap().regions[0].count = 3000;
+    // The old coat stays until the new one is there; only then may a frame be longer (its buffers are uploaded).
+    let mut outputs = vec![first];
+    let mut waiting = Vec::new();
+    for _ in 0..2000 {
+        let start = Instant::now();
+        stage.frame();
+        let took = start.elapsed();
+        let output = stage.app.world().get::<PlumageOutput>(skin).unwrap().0;
+        if outputs.last() != Some(&output) {
+            outputs.push(output);
+        }
+        let state = stage.app.world().get::<PlumageState>(skin).unwrap();
+        if state.is_ready() && state.cards == 3000 {
+            break;
+        }
+        waiting.push(took);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert_eq!(outputs.len(), 2, "one groom, one swap");
+    assert_eq!(work(&stage).materials, before.materials + 1);
+    assert_eq!(work(&stage).albedo_textures, before.albedo_textures);
+    waiting.sort();
+    println!(
+        "frames while grooming: median {:?}, longest {:?}; before: median {:?}",
+        waiting.get(waiting.len() / 2),
+        waiting.last(),
+        still[still.len() / 2]
+    );
+}
