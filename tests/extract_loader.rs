@@ -3,8 +3,8 @@
 
 use bevy::{
     app::{App, TaskPoolPlugin},
-    asset::{Asset, AssetPlugin, AssetServer, Assets, Handle, LoadState},
-    image::{Image, ImagePlugin},
+    asset::{Asset, AssetApp, AssetPlugin, AssetServer, Assets, Handle, LoadState},
+    image::{CompressedImageFormats, Image, ImageLoader, ImagePlugin},
 };
 use bevy_plumage::{
     anatomy::{AnatomyPlugin, Feather},
@@ -39,12 +39,13 @@ fn app(folder: &Folder) -> App {
         AnatomyPlugin,
         ExtractPlugin,
     ));
-    app.finish();
+    // Bevy's renderer does this, there is none here.
+    app.register_asset_loader(ImageLoader::new(CompressedImageFormats::NONE));
     app
 }
 
 fn settle<A: Asset>(app: &mut App, handle: &Handle<A>) -> LoadState {
-    for _ in 0..60_000 {
+    for _ in 0..10_000 {
         app.update();
         let state = app.world().resource::<AssetServer>().load_state(handle);
         if matches!(state, LoadState::Loaded | LoadState::Failed(_)) {

@@ -120,32 +120,67 @@ fn remove_shadow(mask: &mut GrayImage, lab: &Lab, behind: &[[f32; 3]], far: &Pla
     let total = mask.as_raw().iter().filter(|&&m| m > 0).count() as u32;
     let labels = connected_components(&like_shadow, Connectivity::Eight, OFF);
     let count = labels.as_raw().iter().copied().max().unwrap_or(0) as usize;
-    // Area, outer border pixels, sum of edge slope there, of its outer quarter, sum of distance inside.
-    let mut area = vec![0u32; count + 1];
-    let mut rim = vec![0u32; count + 1];
-    let mut slope = vec![0f32; count + 1];
-    let mut depth = vec![0f32; count + 1];
+    // A vane of the background's hue shows barbs, a shadow only the background's own grain.
+    let light = &lab.planes[0];
+    let detail = light.zip(&light.blur(1.5), |a, b| (a - b).abs());
+    let inner = morphology::erode(&like_shadow, Norm::L2, 3);
+    let away = morphology::dilate(mask, Norm::L2, 3);
+    let grain: Vec<f32> = detail
+        .data
+        .iter()
+        .zip(away.as_raw())
+        .filter(|(_, m)| **m == 0)
+        .map(|(d, _)| *d)
+        .collect();
+    let grain = grain.iter().sum::<f32>() / grain.len().max(1) as f32;
+
+    #[derive(Clone, Copy, Default)]
+    struct Region {
+        area: f32,
+        /// Pixels beside the background, and the sum of the edge's slope there.
+        rim: f32,
+        slope: f32,
+        depth: f32,
+        inner: f32,
+        detail: f32,
+    }
+    let mut regions = vec![Region::default(); count + 1];
     for y in 1..height.saturating_sub(1) {
         for x in 1..width.saturating_sub(1) {
             let label = labels.get_pixel(x, y)[0] as usize;
             if label == 0 {
                 continue;
             }
-            area[label] += 1;
-            depth[label] += far.data[(y * width + x) as usize];
+            let i = (y * width + x) as usize;
+            let region = &mut regions[label];
+            region.area += 1.0;
+            region.depth += far.data[i];
+            if inner.as_raw()[i] > 0 {
+                region.inner += 1.0;
+                region.detail += detail.data[i];
+            }
             let beside = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
             if beside.iter().any(|&(x, y)| mask.get_pixel(x, y)[0] == 0) {
-                rim[label] += 1;
-                slope[label] += far.gradient(x as usize, y as usize).length();
+                region.rim += 1.0;
+                region.slope += far.gradient(x as usize, y as usize).length();
             }
         }
     }
-    let soft: Vec<bool> = (0..=count)
-        .map(|i| {
-            let big = area[i] > total / 300 + 8 && area[i] < total / 10 * 7;
-            let outside = rim[i] as f32 > 0.15 * (area[i] as f32).sqrt();
-            let sharpness = slope[i] * area[i] as f32 / (rim[i] as f32 * depth[i]).max(1e-6);
-            i > 0 && big && outside && sharpness < 0.16
+    let soft: Vec<bool> = regions
+        .iter()
+        .enumerate()
+        .map(|(i, region)| {
+            let big = region.area > total as f32 / 300.0 + 8.0 && region.area < 0.7 * total as f32;
+            let outside = region.rim > 0.15 * region.area.sqrt();
+            let sharpness = region.slope * region.area / (region.rim * region.depth).max(1e-6);
+            let plain = region.detail < (1.4 * grain + 0.0008) * region.inner;
+            // Too narrow to tell: the edge decides.
+            let limit = match region.inner > 0.1 * region.area {
+                true if plain => 0.3,
+                true => 0.03,
+                false => 0.16,
+            };
+            i > 0 && big && outside && sharpness < limit
         })
         .collect();
     let mut gone = 0;
