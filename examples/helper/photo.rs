@@ -103,6 +103,15 @@ fn spawn(
         Transform::IDENTITY,
         Visibility::default(),
     ));
+    // The lamp of a copying stand, so that both are seen in the same light.
+    commands.spawn((
+        DirectionalLight {
+            illuminance: 12_000.0,
+            shadow_maps_enabled: false,
+            ..default()
+        },
+        Transform::from_xyz(-0.6, 0.8, 1.6).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
     let [left, bottom, width, height] = pair.place;
     commands.spawn((
         Mesh3d(meshes.add(Rectangle::new(width, height))),
