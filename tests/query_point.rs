@@ -2,7 +2,7 @@
 mod common;
 
 use bevy_plumage::query::{
-    Component, ErrorBudget, Footprint, feather_point_query, mask_vane, point_query, vane_coverage,
+    ErrorBudget, Footprint, feather_point_query, mask_vane, point_query, vane_coverage,
 };
 use common::{
     geometry::{PlainFeather, PlainVane, covariance_root, dense_shares},
