@@ -3,7 +3,8 @@
 mod common;
 
 use bevy_plumage::query::{
-    Coverage, ErrorBudget, Footprint, Line, feather_coverage, outlined_coverage,
+    Coverage, ErrorBudget, Footprint, Line, Outline, feather_coverage, outline_share,
+    outlined_coverage,
 };
 use common::{
     geometry::{PlainFeather, PlainVane, covariance_root, dense_shares},
@@ -105,57 +106,95 @@ fn worst_weight(c: &Coverage<f64>, truth: &[f64; 5]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-#[test]
-fn across_the_contour() {
-    let mut random = Pcg64Mcg::seed_from_u64(62);
+/// Error of the whole query across a contour (reach and derivative by root) on `count` footprints whose mean lies up to
+/// `depth` inside it, of deviations `exp(low)..exp(high)` barb periods.
+fn contour_error(
+    name: &str,
+    seed: u64,
+    count: usize,
+    [low, high]: [f64; 2],
+    contour: impl Fn(&mut Pcg64Mcg) -> (f64, Box<dyn Fn(f64) -> [f64; 2]>),
+) -> [f64; 3] {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut errors = Vec::new();
-    for i in 0..400 {
+    for i in 0..count {
         let vane = PlainVane::random(&mut random);
         let view = random_view(&mut random);
         let p_b = vane.alpha_b.sin() / vane.barb_count;
         let cot = 1.0 / vane.alpha_b.tan();
-        let major = p_b * between(&mut random, -4.0, 2.0).exp();
+        let major = p_b * between(&mut random, low, high).exp();
         let aspect = 2f64.powf(between(&mut random, 0.0, 4.0));
-        // Beside a split the contour climbs by several feather lengths per length of rachis.
-        let (reach, slope) = (0.2, between(&mut random, -1.5, 1.5));
-        let contour = |root: f64| reach + slope * (root - 0.5);
-        // A point near the contour, on the barb rooted at 0.5.
-        let x = -reach + between(&mut random, -2.0, 2.0) * major;
-        let mean = [x, 0.5 - x * cot];
+        let (depth, reach) = contour(&mut random);
+        // A point near the contour, on a barb rooted near 0.5.
+        let root = 0.5 + between(&mut random, -2.0, 2.0) * major;
+        let x = -reach(root)[0]
+            + between(&mut random, -2.0, 2.0) * major
+            + between(&mut random, 0.0, depth);
+        let x = x.min(-4.0 * major);
         let f = Footprint {
-            mean,
+            mean: [x, root - x * cot],
             covariance: covariance(major, aspect, between(&mut random, 0.0, 3.2)),
         };
+        let [value, slope] = reach(root);
         let gradient = [1.0 + slope * cot, slope];
-        let outline = Line {
-            offset: contour(0.5) + x - gradient[0] * mean[0] - gradient[1] * mean[1],
+        let line = Line {
+            offset: value + x - gradient[0] * f.mean[0] - gradient[1] * f.mean[1],
             gradient,
         };
+        let share = outline_share(&f, cot, 1.0 / 255.0, &reach);
         let feather = PlainFeather {
             vanes: [vane, vane],
             rachis_radius: 0.0,
-            reach: &|_, root| contour(root),
+            reach: &|_, root| reach(root)[0],
         };
         let l = covariance_root(f.covariance);
         let truth = dense_shares(
             SAMPLES,
-            |[a, b]| [mean[0] + l[0] * a, mean[1] + l[1] * a + l[2] * b],
+            |[a, b]| [f.mean[0] + l[0] * a, f.mean[1] + l[1] * a + l[2] * b],
             |point| feather.hit(point, view),
         );
         let v = vane.vane();
-        let outlines = [Some(outline); 2];
+        let outlines = [Some(Outline { line, share }); 2];
         let c = outlined_coverage([&v, &v], 0.0, outlines, &f, view, &ErrorBudget::default());
         let error = worst_weight(&c, &truth);
         if error > 0.02 {
             eprintln!(
-                "{i}: {error:.4} slope {slope:.2} major {:.3} aspect {aspect:.1} {c:?} {truth:.4?}",
-                major / p_b
+                "{i}: {error:.4} slope {slope:.2} major {:.3} aspect {aspect:.1} {c:?} {truth:.4?} share {share:.3} line {:.3}",
+                major / p_b,
+                line.share(&f)
             );
         }
         errors.push(error);
     }
     let [rms, p99, max] = statistics(&errors);
-    eprintln!("across the contour: RMS {rms:.4}, P99 {p99:.4}, max {max:.4}");
+    eprintln!("{name}: RMS {rms:.4}, P99 {p99:.4}, max {max:.4}");
+    [rms, p99, max]
+}
+
+#[test]
+fn across_the_contour() {
+    let [.., max] = contour_error("across the contour", 62, 300, [-4.0, 2.0], |random| {
+        let slope = between(random, -1.5, 1.5);
+        (
+            0.0,
+            Box::new(move |root| [0.2 + slope * (root - 0.5), slope]),
+        )
+    });
+    assert!(max <= 0.03, "{max}");
+}
+
+#[test]
+fn across_a_split() {
+    // Eq. 5 of Chen et al. 2026: a Gaussian notch in the reach.
+    let [.., max] = contour_error("across a split", 64, 300, [-3.0, 3.0], |random| {
+        let (depth, width) = (between(random, 0.1, 0.6), between(random, 0.01, 0.03));
+        let contour = move |root: f64| {
+            let t = (root - 0.5) / width;
+            let notch = depth * (-0.5 * t * t).exp();
+            [0.2 * (1.0 - notch), 0.2 * notch * t / width]
+        };
+        (0.1 * depth, Box::new(contour))
+    });
     assert!(max <= 0.03, "{max}");
 }
 

@@ -371,3 +371,49 @@ fn any_input_gives_shares() {
         &wrong[..wrong.len().min(8)]
     );
 }
+
+#[test]
+fn outlines() {
+    let text = "#import bevy_plumage::query::{Footprint}
+        #import bevy_plumage::query_split::{outline_sight, outline_root, outline_node}
+        fn reach(root: f32) -> vec2<f32> {
+            let t = (root - 0.5) / 0.02;
+            let notch = 0.5 * exp(-0.5 * t * t);
+            return vec2(0.2 * (1.0 - notch), 0.2 * notch * t / 0.02);
+        }
+        fn evaluate(i: u32) {
+            let a = 5u * i;
+            let f = Footprint(vec2(input[a], input[a + 1u]), vec3(input[a + 2u], input[a + 3u], input[a + 4u]));
+            let sight = outline_sight(f, 0.8, 1.0 / 255.0);
+            var sum = vec2(0.0);
+            for (var j = 0u; j < sight.count; j++) {
+                sum += outline_node(sight, j, reach(outline_root(sight, j)));
+            }
+            output[i] = sum.y / sum.x;
+        }";
+    let mut random = Pcg64Mcg::seed_from_u64(12);
+    let mut input = Vec::new();
+    let mut wanted = Vec::new();
+    for _ in 0..2000 {
+        let mut between = |a: f64, b: f64| sweep::between(&mut random, a, b) as f32;
+        let sigma = between(-8.0, -3.0).exp();
+        let (a, b, c) = (sigma, between(-1.0, 1.0) * sigma, between(0.1, 1.0) * sigma);
+        let f = Footprint {
+            mean: [between(-0.25, -0.05), between(0.55, 0.75)],
+            covariance: [a * a, a * b, b * b + c * c],
+        };
+        input.extend(f.mean);
+        input.extend(f.covariance);
+        wanted.push(query::outline_share(&f, 0.8, 1.0 / 255.0, |root: f32| {
+            let t = (root - 0.5) / 0.02;
+            let notch = 0.5 * (-0.5 * t * t).exp();
+            [0.2 * (1.0 - notch), 0.2 * notch * t / 0.02]
+        }));
+    }
+    let Some(result) = gpu::run(&FILES, text, &input, wanted.len(), wanted.len()) else {
+        return;
+    };
+    let worst = difference(&wanted, &result);
+    eprintln!("outline, CPU against GPU: {worst:.2e}");
+    assert!(worst < 2e-4, "{worst}");
+}

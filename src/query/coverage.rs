@@ -7,7 +7,7 @@ use super::{
     masking::{mask_rachis, mask_vane},
     math::{Real, clamp},
     mean, near,
-    split::{Line, split_vane},
+    split::{Line, Outline, split_vane},
     stripe,
     vane::{Cell, Local, Vane, reduce},
 };
@@ -109,11 +109,11 @@ pub fn feather_coverage<T: Real>(
     )
 }
 
-/// The same where the vanes end at outlines, as lines over the left vane (the right one mirrored); `None` for a vane without end.
+/// The same where the vanes end at outlines, given over the left vane (the right one mirrored); `None` for a vane without end.
 pub fn outlined_coverage<T: Real>(
     vanes: [&Vane<T>; 2],
     rachis_radius: T,
-    outlines: [Option<Line<T>>; 2],
+    outlines: [Option<Outline<T>>; 2],
     footprint: &Footprint<T>,
     view: [T; 3],
     budget: &ErrorBudget<T>,

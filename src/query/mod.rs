@@ -52,6 +52,8 @@ pub use math::Real;
 pub use mean::mean;
 pub use near::{MAX_CELLS, MAX_GAPS, near, near_counted};
 pub use point::{Component, PointHit, feather_point_query, point_query};
-pub use split::{Line, PARTS, Part, split_line, split_vane};
+pub use split::{
+    Line, MAX_OUTLINE_NODES, Outline, PARTS, Part, outline_share, split_line, split_vane,
+};
 pub use stripe::stripe;
 pub use vane::{Cell, Local, Vane, reduce};

@@ -136,28 +136,89 @@ impl<T: Real> Line<T> {
     }
 }
 
+/// Where a vane ends, as a footprint sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outline<T> {
+    /// Tangent at the root of the barb through the footprint's mean.
+    pub line: Line<T>,
+    /// Share of the footprint inside, see [`outline_share`].
+    pub share: T,
+}
+
+/// Most places at which the outline is looked up.
+pub const MAX_OUTLINE_NODES: i32 = 16;
+
+/// Share of a footprint over the left vane inside an outline that is stored by the roots of the barbs: `reach` gives how far the
+/// barb from a root reaches along x, and the derivative. `cotangent` of the barbs' angle; `spacing` of the stored values.
+///
+/// A split of the outline may be narrower than the footprint, so the outline is looked up along the roots, about every other
+/// value, and is a line at each of them only.
+pub fn outline_share<T: Real>(
+    f: &Footprint<T>,
+    cotangent: T,
+    spacing: T,
+    reach: impl Fn(T) -> [T; 2],
+) -> T {
+    let [xx, xy, yy] = f.covariance;
+    let [x, y] = f.mean;
+    let variance = (cotangent * (cotangent * xx + xy + xy) + yy).max(T::of(1e-20));
+    let sigma = variance.sqrt();
+    // Of the distance from the rachis on the root, and what is left of its variance.
+    let slope = -(cotangent * xx + xy) / variance;
+    let rest = (xx - slope * slope * variance).max(T::of(1e-20));
+    let root = y + x * cotangent;
+    let share = |t: T, width: T| {
+        let [reach, steepness] = reach(root + t * sigma);
+        let spread = rest + (steepness - slope) * (steepness - slope) * width * variance;
+        normal_distribution((reach + x - slope * t * sigma) / spread.sqrt())
+    };
+    if sigma < T::of(0.2) * spacing {
+        return share(T::zero(), T::one());
+    }
+    let most = T::of(f64::from(MAX_OUTLINE_NODES));
+    let count = clamp((T::of(3.3) * sigma / spacing).ceil(), T::of(8.0), most);
+    let step = T::of(6.0) / count;
+    let (mut sum, mut total) = (T::zero(), T::zero());
+    for i in 0..count.to_i32().unwrap_or(1) {
+        let t = (T::of(f64::from(i)) + T::of(0.5)) * step - T::of(3.0);
+        let weight = normal_density(t);
+        sum = sum + weight * share(t, step * step * T::of(1.0 / 12.0));
+        total = total + weight;
+    }
+    sum / total
+}
+
 /// What of a footprint over the left vane lies at `x < edge` (the rachis) and, if given, inside the outline. The one of the
 /// two lines that takes more of it cuts it into parts, the other scales them.
 pub fn split_vane<T: Real>(
     f: &Footprint<T>,
     edge: T,
-    outline: Option<Line<T>>,
+    outline: Option<Outline<T>>,
     resolved: bool,
 ) -> [Part<T>; PARTS] {
     let rachis = Line {
         offset: edge,
         gradient: [-T::one(), T::zero()],
     };
-    let Some(outline) = outline else {
+    let Some(Outline { line, share }) = outline else {
         return split_line(f, rachis.at(f.mean), rachis.gradient, resolved);
     };
-    let (first, second) = if outline.share(f) < rachis.share(f) {
-        (outline, rachis)
+    let straight = line.share(f);
+    // Scaled to the true share; where the tangent tells too little of it, the outline scales the whole.
+    let scale = share / straight.max(T::of(1e-6));
+    if scale > T::of(2.0) || scale < T::of(0.5) {
+        return split_line(f, rachis.at(f.mean), rachis.gradient, resolved).map(|part| Part {
+            mass: part.mass * share,
+            ..part
+        });
+    }
+    let (first, second) = if straight < rachis.share(f) {
+        (line, rachis)
     } else {
-        (rachis, outline)
+        (rachis, line)
     };
     split_line(f, first.at(f.mean), first.gradient, resolved).map(|part| Part {
-        mass: part.mass * second.share(&part.footprint),
+        mass: part.mass * scale * second.share(&part.footprint),
         ..part
     })
 }

@@ -8,7 +8,10 @@
     feather_io::FeatherVertex,
     masking::{mask_rachis, mask_vane},
     query::{Footprint, mirrored, reduce, vane_coverage, widened},
-    query_split::{averages, line_part, line_share, outline_line, rachis_line, rachis_share, split_line},
+    query_split::{
+        averages, line_part, line_share, outline_line, outline_node, outline_root, outline_sight, rachis_line, rachis_share,
+        split_line,
+    },
 }
 #ifdef PUBLISHED_COVERAGE
 #import bevy_plumage::query_published::{PUBLISHED_SWITCH, PublishedMethod, published_vane_coverage}
@@ -73,7 +76,16 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, edge: f32, frame: Fr
     let contour = contour_at(base, shape.z, root);
     let reach = select(contour.xz, contour.yw, right);
     let outline = outline_line(footprint.mean, reach, angle);
-    let inside = line_share(outline, footprint);
+    let straight = line_share(outline, footprint);
+    // The outline may turn within the footprint.
+    let cotangent = cos(angle) / max(sin(angle), 1e-3);
+    let sight = outline_sight(footprint, cotangent, (1.0 - shape.z) / f32(data::CONTOUR_SAMPLES - 1u));
+    var nodes = vec2(0.0);
+    for (var i = 0u; i < sight.count; i++) {
+        let there = contour_at(base, shape.z, outline_root(sight, i));
+        nodes += outline_node(sight, i, select(there.xz, there.yw, right));
+    }
+    let inside = nodes.y / max(nodes.x, 1e-9);
     let mean = vec2(min(footprint.mean.x, -1e-6), footprint.mean.y);
     let begun = vane_start_coverage(mean, footprint.covariance, shape.z, angle);
     if (inside * begun < 1e-3) {
@@ -85,10 +97,13 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, edge: f32, frame: Fr
     vane.r_bp *= hook;
     // The right vane is the left one mirrored.
     let cell = mask_vane(vane, frame.local_eye * vec3(select(1.0, -1.0, right), 1.0, 1.0));
-    // Whichever of rachis and outline takes more of the footprint cuts it into parts, the other one scales them.
+    // Whichever of rachis and outline takes more of the footprint cuts it into parts, the other one scales them. Where the tangent
+    // tells too little of the outline, the outline scales the whole.
+    let scale = inside / max(straight, 1e-6);
+    let is_line = scale <= 2.0 && scale >= 0.5;
     var first = rachis;
     var second = outline;
-    if (inside < beside) {
+    if (is_line && straight < beside) {
         first = outline;
         second = rachis;
     }
@@ -101,7 +116,10 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, edge: f32, frame: Fr
     var covered = vec3(0.0);
     for (var i = 0u; i < cut.parts; i++) {
         let part = line_part(cut, i);
-        let mass = part.mass * line_share(second, part.footprint);
+        var mass = part.mass * inside;
+        if (is_line) {
+            mass = part.mass * scale * line_share(second, part.footprint);
+        }
         if (abs(mass) < 5e-4) {
             continue;
         }

@@ -10,6 +10,8 @@
 const TAIL_SIGMAS: f32 = 2.5;
 // Beyond this many sigmas a line leaves all or nothing.
 const FAR_SIGMAS: f32 = 4.0;
+// Most places at which the outline is looked up.
+const MAX_OUTLINE_NODES: u32 = 16u;
 
 // The half plane offset + gradient . x >= 0.
 struct Line {
@@ -108,6 +110,52 @@ fn outline_line(mean: vec2<f32>, reach: vec2<f32>, barb_angle: f32) -> Line {
     let cotangent = cos(barb_angle) / max(sin(barb_angle), 1e-3);
     let gradient = vec2(1.0 + reach.y * cotangent, reach.y);
     return Line(reach.x + mean.x - dot(gradient, mean), gradient);
+}
+
+// How a footprint sees an outline that is stored by the roots of the barbs: where to look it up, `count` times.
+struct OutlineSight {
+    // Root through the mean, its deviation; distance from the rachis there.
+    root: f32,
+    sigma: f32,
+    inset: f32,
+    // Slope of that distance on the root, and the variance that is left of it.
+    slope: f32,
+    rest: f32,
+    count: u32,
+}
+
+// `cotangent` of the angle of the barbs; `spacing` of the stored values. A split may be narrower than the footprint.
+fn outline_sight(f: Footprint, cotangent: f32, spacing: f32) -> OutlineSight {
+    let c = f.covariance;
+    let variance = max(cotangent * (cotangent * c.x + c.y + c.y) + c.z, 1e-20);
+    let sigma = sqrt(variance);
+    let slope = -(cotangent * c.x + c.y) / variance;
+    var count = 1u;
+    if sigma >= 0.2 * spacing {
+        count = u32(clamp(ceil(3.3 * sigma / spacing), 8.0, f32(MAX_OUTLINE_NODES)));
+    }
+    return OutlineSight(f.mean.y + f.mean.x * cotangent, sigma, -f.mean.x, slope, max(c.x - slope * slope * variance, 1e-20), count);
+}
+
+// Place of node `i` in sigmas of the root.
+fn outline_place(s: OutlineSight, i: u32) -> f32 {
+    return select((f32(i) + 0.5) * 6.0 / f32(s.count) - 3.0, 0.0, s.count == 1u);
+}
+
+// Root at which node `i` looks the outline up.
+fn outline_root(s: OutlineSight, i: u32) -> f32 {
+    return s.root + outline_place(s, i) * s.sigma;
+}
+
+// Weight of node `i`, and its weighted share inside; `reach` and its derivative there. The sum of the second over that of the
+// first is the footprint's share inside.
+fn outline_node(s: OutlineSight, i: u32, reach: vec2<f32>) -> vec2<f32> {
+    let t = outline_place(s, i);
+    let step = 6.0 / f32(s.count);
+    let width = select(step * step * (1.0 / 12.0), 1.0, s.count == 1u);
+    let steep = (reach.y - s.slope) * s.sigma;
+    let share = normal_distribution((reach.x - s.inset - s.slope * t * s.sigma) / sqrt(s.rest + steep * steep * width));
+    return normal_density(t) * vec2(1.0, share);
 }
 
 // Share of a footprint that the rachis hides; `edges` from mask_rachis.
