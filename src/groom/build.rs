@@ -295,10 +295,11 @@ fn feather(
     };
     let shaft = drape(skin, lay, follicle.at, &shape);
     let root: Weights = skin.joint_weights(follicle.at);
-    // Past its first quarter a feather goes where the skin below it goes: what lies over one place stays in order when it moves.
+    // Towards the tip a feather goes more and more with the skin below it, so that neighbours stay in order; but a long one that lies
+    // over a wing must not be carried off with it.
     let weights = if root.1[0] > 0.0 {
         let last = (shaft.below.len() - 1).max(1) as f32;
-        let share = |x: f32| (1.0 - 4.0 * x).max(0.0);
+        let share = |x: f32| 1.0 - x * (0.9 - 0.2 * x);
         let at = |(i, below)| {
             let own = share(i as f32 / last);
             blend_weights([(root, own), (skin.joint_weights(below), 1.0 - own)])

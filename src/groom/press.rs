@@ -19,8 +19,9 @@ const ACROSS: [f32; 3] = [-0.8, 0.0, 0.8];
 const GAP: f32 = 0.006;
 /// Deepest crossing that is looked for, in widths of the narrower.
 const REACH: f32 = 0.6;
-/// Furthest that a vertex moves, in distances from the root: down, up.
-const RANGE: (f32, f32) = (-0.12, 0.3);
+/// Furthest that a vertex moves, in distances from the root: down, up. Further up parts more pairs, but long scapulars then stand
+/// off the folded wing.
+const RANGE: (f32, f32) = (-0.06, 0.08);
 /// Share of its height over the skin that a vertex may lose.
 const SINK: f32 = 0.9;
 
