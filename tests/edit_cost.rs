@@ -104,7 +104,7 @@ fn a_density_slider_builds_one_groom_off_the_main_thread() {
     let Some(mut stage) = Stage::new() else {
         return;
     };
-    let (skin, handle) = dress(&mut stage, 4000);
+    let (skin, handle) = dress(&mut stage, 500);
     let mut still = Vec::new();
     for _ in 0..9 {
         let start = Instant::now();
@@ -115,7 +115,7 @@ fn a_density_slider_builds_one_groom_off_the_main_thread() {
     let first = stage.app.world().get::<PlumageOutput>(skin).unwrap().0;
     let before = work(&stage);
     let mut grooms = stage.app.world_mut().resource_mut::<Assets<Groom>>();
-    grooms.get_mut(&handle).unwrap().regions[0].count = 3000;
+    grooms.get_mut(&handle).unwrap().regions[0].count = 400;
     // The old coat stays until the new one is there; only then may a frame be longer (its buffers are uploaded).
     let mut outputs = vec![first];
     let mut waiting = Vec::new();
@@ -128,7 +128,7 @@ fn a_density_slider_builds_one_groom_off_the_main_thread() {
             outputs.push(output);
         }
         let state = stage.app.world().get::<PlumageState>(skin).unwrap();
-        if state.is_ready() && state.cards == 3000 {
+        if state.is_ready() && state.cards == 400 {
             break;
         }
         waiting.push(took);

@@ -258,7 +258,7 @@ fn two_kinds_of_bird_wear_their_own() {
     };
     let left = Vec3::new(-0.12, 0.0, 0.0);
     spawn(&mut stage, groom(120, RED, "contour"), left);
-    let one = spawn(&mut stage, groom(300, BLUE, "down"), -left);
+    let one = spawn(&mut stage, groom(300, BLUE, "lesser_covert"), -left);
     stage.settle();
     let halves = |picture: &[[f32; 3]]| {
         let half = |right: bool| {

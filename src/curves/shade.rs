@@ -5,15 +5,17 @@ use crate::{
     anatomy::{BAKE_HEIGHT, BAKE_WIDTH, Feather, Side},
     scattering::{
         Fibre, FibreShading, FibreTable, Sheen, fibre_evaluate, fibre_local, fibre_sample,
-        fibre_shading, light_visibility, sheen_albedo, sheen_evaluate, sheen_lookup,
+        fibre_shading, light_visibility, sheen_albedo, sheen_evaluate, sheen_lookup, sheen_tint,
     },
 };
 
 /// Which part of a fibre's width K is averaged over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Field {
-    /// The whole width, as the plugin's far field.
+    /// As the plugin: the place met on barbs and shaft, the whole width of barbules.
     #[default]
+    Resolved,
+    /// The whole width of every fibre.
     Far,
     /// The very place that the ray met.
     Near,
@@ -47,7 +49,7 @@ pub struct CurveOptions {
 impl Default for CurveOptions {
     fn default() -> Self {
         Self {
-            field: Field::Far,
+            field: Field::Resolved,
             visibility: Visibility::Estimated,
             harmonics: 8,
             environment_samples: 0,
@@ -216,25 +218,30 @@ impl CurveShader {
         let facing = [0.0, 0.0, eye[2].signum()];
         let ltc = sheen_lookup(eye[2].abs(), f64::from(self.sheen.roughness));
         let strength = f64::from(self.sheen.strength);
-        let base = 1.0 - sheen_albedo(ltc, strength);
         let albedo = self.albedo(hit, direction);
+        // The sheen has the colour of the barbules.
+        let share = self.shares[2];
+        let tint = sheen_tint(
+            self.painted(hit.point, direction[2] < 0.0)
+                .map(|a| a * share),
+        );
+        let strongest = tint.iter().fold(0.0_f64, |m, t| m.max(*t));
+        let base = 1.0 - sheen_albedo(ltc, strength) * strongest;
         let far = self.prepare(hit, direction, albedo);
-        let scatter = |to_light: [f64; 3]| match self.options.field {
-            Field::Far => fibre_evaluate(&far, fibre_local(hit.tangent, NORMAL, to_light)),
-            Field::Near => {
-                let (fibre, table) = &self.fibres[hit.fibre.part as usize];
-                let local = |v| fibre_local(hit.tangent, NORMAL, v);
-                let dark = self.dark_back;
-                near_field(
-                    fibre,
-                    table,
-                    albedo,
-                    local(eye),
-                    local(to_light),
-                    hit.offset,
-                    dark,
-                )
+        // Rachis and barb come first.
+        let place = match self.options.field {
+            Field::Resolved => (hit.fibre.part as usize) < 2,
+            Field::Far => false,
+            Field::Near => true,
+        };
+        let scatter = |to_light: [f64; 3]| {
+            let local = |v| fibre_local(hit.tangent, NORMAL, v);
+            if !place {
+                return fibre_evaluate(&far, local(to_light));
             }
+            let (fibre, table) = &self.fibres[hit.fibre.part as usize];
+            let (eye, light) = (local(eye), local(to_light));
+            near_field(fibre, table, albedo, eye, light, hit.offset, self.dark_back)
         };
         let mut sum = [0.0; 3];
         for (i, (to_light, irradiance)) in self.lights.iter().enumerate() {
@@ -242,7 +249,7 @@ impl CurveShader {
             let k = scatter(*to_light);
             let rim = strength * sheen_evaluate(ltc, facing, eye, *to_light);
             for c in 0..3 {
-                sum[c] += irradiance[c] * (base * seen * k[c] + rim);
+                sum[c] += irradiance[c] * (base * seen * k[c] + rim * tint[c]);
             }
         }
         let n = self.options.environment_samples;

@@ -24,6 +24,8 @@ pub const CARD_VEC4S: usize = 5;
 pub const MAX_REGIONS: u32 = 128;
 /// Size of a baked albedo layer.
 const ALBEDO_SIZE: (u32, u32) = (32, 128);
+/// Size of the layers where a feather has a picture.
+const PICTURE_SIZE: (u32, u32) = (128, 512);
 
 /// Tables are counted in steps of this many, so that an edit seldom changes the size of the buffer.
 const TABLE_STEP: usize = 8;
@@ -197,7 +199,8 @@ pub fn pack_cards(cards: &[Card]) -> Vec<u8> {
 
 /// The albedo of one bird, two layers per feather: front, back. `images` serves albedo images that replace the painted front.
 pub fn albedo_array(feathers: &[&Feather], images: &Assets<Image>) -> Image {
-    let (width, height) = ALBEDO_SIZE;
+    let pictures = feathers.iter().any(|feather| feather.image.is_some());
+    let (width, height) = if pictures { PICTURE_SIZE } else { ALBEDO_SIZE };
     let mut data = Vec::new();
     let mut levels = 1;
     for feather in feathers {
@@ -241,17 +244,32 @@ pub fn albedo_array(feathers: &[&Feather], images: &Assets<Image>) -> Image {
     image
 }
 
-/// An image of any size as RGBA8 of the albedo's size; its alpha counts as "no tint".
+/// An image of any size as RGBA8 of the albedo's size, by the mean of the pixels that fall on each texel; its alpha counts as
+/// "no tint".
 fn resample(image: &Image, width: u32, height: u32) -> Option<Vec<u8>> {
     let mut out = Vec::with_capacity((width * height * 4) as usize);
     let size = image.size();
+    // At least one pixel, at most all of them.
+    let span = |i: u32, from: u32, to: u32| {
+        let first = (i * from / to).min(from.saturating_sub(1));
+        first..((i + 1) * from / to).clamp(first + 1, from.max(first + 1))
+    };
     for y in 0..height {
         for x in 0..width {
-            let color = image
-                .get_color_at(x * size.x / width, y * size.y / height)
-                .ok()?
-                .to_srgba();
-            out.extend([color.red, color.green, color.blue].map(|c| (c * 255.0) as u8));
+            let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+            for py in span(y, size.y, height) {
+                for px in span(x, size.x, width) {
+                    let color = image.get_color_at(px, py).ok()?.to_linear();
+                    sum += Vec3::new(color.red, color.green, color.blue);
+                    count += 1.0;
+                }
+            }
+            let mean = sum / count;
+            let color = Color::linear_rgb(mean.x, mean.y, mean.z).to_srgba();
+            out.extend(
+                [color.red, color.green, color.blue]
+                    .map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8),
+            );
             out.push(0);
         }
     }

@@ -30,8 +30,8 @@ const DISTAL: u32 = 2u;
 const PROXIMAL: u32 = 3u;
 // Lights fetched at a time.
 const BATCH: u32 = 4u;
-// A component with less coverage than this is not shaded.
-const LEAST_WEIGHT: f32 = 0.004;
+// A component with less than this share of what is covered is not shaded.
+const LEAST_SHARE: f32 = 0.004;
 // DebugView::Lobe.
 const LOBE_VIEW: u32 = 7u;
 // What a fragment adds in the overdraw view: sixteen make white.
@@ -196,7 +196,7 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
         var passed = 0.0;
         for (var part = 0u; part < 4u; part++) {
             let weight = covered.weights[part];
-            if (weight < LEAST_WEIGHT) {
+            if (weight <= LEAST_SHARE * opacity) {
                 continue;
             }
             let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x, frame);
@@ -258,7 +258,7 @@ fn lobe_color(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, cove
     var sum = vec3(0.0);
     for (var part = 0u; part < 4u; part++) {
         let weight = covered.weights[part];
-        if (weight < LEAST_WEIGHT) {
+        if (weight <= LEAST_SHARE * dot(covered.weights, vec4(1.0))) {
             continue;
         }
         let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x, frame);
