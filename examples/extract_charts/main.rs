@@ -240,8 +240,8 @@ fn photograph(name: &str, file: &Path) -> Result<()> {
     let feather = presets::by_name(name).ok_or_else(|| format!("no preset is named `{name}`"))?;
     let setting = Setting {
         size: [640, 1000],
-        background: Background::White,
-        ground: [0.93, 0.92, 0.90],
+        background: Background::Colour,
+        ground: [0.60, 0.74, 0.78],
         rotation: 0.08,
         exposure: 1.0,
         ..Setting::default()
