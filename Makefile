@@ -2,10 +2,11 @@
 CARGO ?= cargo
 ARGS ?=
 
-.PHONY: help parrot eagle single test gallery charts bench docs birds feathers tables setup
+.PHONY: help parrot eagle single inspector test gallery charts bench docs birds feathers tables setup
 
 help:
 	@echo "make parrot | eagle | single   show the example (off screen without a display); ARGS='--camera closeup' passes options"
+	@echo "make inspector                 a parrot with every panel of the editor"
 	@echo "make test                      format, lints, tests, documentation, shaders"
 	@echo "make gallery                   all pictures of the README"
 	@echo "make charts | bench | docs     docs/charts; benchmarks; API documentation"
@@ -20,15 +21,19 @@ parrot eagle: setup
 single: setup
 	$(CARGO) run --example single_feather -- $(ARGS)
 
+inspector: setup
+	$(CARGO) run --features inspector,extract --example inspector -- $(ARGS)
+
 test: setup
 	$(CARGO) fmt --check
+	@if $(CARGO) tree --all-features -d 2>/dev/null | grep -E '^(egui|wgpu|naga|bevy) v'; then echo "more than one egui, wgpu, naga or bevy"; exit 1; fi
 	$(CARGO) clippy --all-targets -- -D warnings
 	$(CARGO) clippy --all-targets --all-features -- -D warnings
 	$(CARGO) test --all-features
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --lib --examples --all-features
 
 gallery: setup
-	$(CARGO) build --examples
+	$(CARGO) build --examples --all-features
 	./scripts/gallery.sh
 
 charts: setup

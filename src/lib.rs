@@ -20,7 +20,8 @@
 //! # Modules
 //!
 //! [`query`] and [`scattering`] are pure maths, each function with a WGSL twin of the same name in `shaders/`; [`anatomy`] is one
-//! feather, [`groom`] puts feathers on a bird, [`render`] draws them; [`curves`] is the slow reference with explicit fibres.
+//! feather, [`groom`] puts feathers on a bird, [`render`] draws them; [`curves`] is the slow reference with explicit fibres;
+//! `extract` (feature) turns a photograph into a feather, `inspector` (feature) edits everything.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
