@@ -40,7 +40,7 @@ fn window<T: Real>(x: T, l: T) -> T {
 }
 
 /// `[barb, upper, lower]` coverage. `budget`: exponents `A (P - P_s)^2 + sc2 q^2` up to here are kept
-/// ([`super::ErrorBudget::row_budget`]).
+/// (see [`choose`](super::choose)).
 pub fn lattice<T: Real>(cell: &Cell<T>, local: &Local<T>, budget: T) -> [T; 3] {
     let half = T::of(0.5);
     let one = T::one();

@@ -45,7 +45,6 @@ pub fn spawn_filling(stage: &mut Stage, file: &'static str) -> Entity {
             ..default()
         },
         transparency: FeatherTransparency::Blend,
-        ..default()
     };
     let world = stage.app.world_mut();
     let mesh = world

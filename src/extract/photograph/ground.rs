@@ -19,7 +19,11 @@ impl Ground {
     pub fn new(setting: &Setting) -> Self {
         let angle = f64::from(setting.seed as u32 % 628) * 0.01;
         // Planks run along one edge of the frame, nearly.
-        let grain = if setting.seed & 1 == 0 { 0.0 } else { 1.5708 } + 0.06 * angle.sin();
+        let grain = if setting.seed & 1 == 0 {
+            0.0
+        } else {
+            std::f64::consts::FRAC_PI_2
+        } + 0.06 * angle.sin();
         let angle = if setting.background == Background::Wood {
             grain
         } else {

@@ -50,8 +50,8 @@ impl Photograph {
                 let i = y * width + x;
                 let (texel, outline) = sheet.texel([x as f64 + 0.5, y as f64 + 0.5]);
                 alpha[i] = texel.alpha;
-                for c in 0..3 {
-                    planes[c][i] = texel.colour[c] * texel.alpha;
+                for (plane, colour) in planes.iter_mut().zip(texel.colour) {
+                    plane[i] = colour * texel.alpha;
                 }
                 if outline >= 0.5 {
                     mask.put_pixel(x as u32, y as u32, Luma([255]));

@@ -4,6 +4,7 @@ use super::{colour, pose::Pose};
 use crate::anatomy::{Feather, Pattern};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use std::f32::consts::PI;
 
 /// What the feather lies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -173,7 +174,7 @@ impl Setting {
         let quarter = f64::from(u8::from(turned)) * std::f64::consts::FRAC_PI_2;
         let size = if turned { [long, short] } else { [short, long] };
         let rotation = if any {
-            f64::from(r.between(-3.14, 3.14))
+            f64::from(r.between(-PI, PI))
         } else {
             let over = f64::from(u8::from(r.uniform() < 0.2)) * std::f64::consts::PI;
             quarter + over + f64::from(r.between(-0.3, 0.3))
@@ -182,7 +183,7 @@ impl Setting {
         let mut setting = Self {
             size: size.map(|side| side.round() as u32),
             light: Light {
-                azimuth: r.between(-3.14, 3.14),
+                azimuth: r.between(-PI, PI),
                 elevation: r.between(0.6, 1.3),
                 ambient: r.between(0.25, 0.75),
                 lift: r.scale(0.004, 0.03),
