@@ -12,7 +12,7 @@ else
     trap 'rm -rf "$guest"' EXIT
 fi
 mkdir -p "$guest/src"
-# The second code block of the README, as it stands.
+# The Rust code of the README, as it stands.
 awk '/^```rust/ { inside = 1; next } /^```/ { if (inside) exit } inside' "$root/README.md" > "$guest/src/main.rs"
 grep -q PlumagePlugins "$guest/src/main.rs" || { echo "guest: the README has no code" >&2; exit 1; }
 # The same versions as here, so that what is compiled already can be used again.
