@@ -27,6 +27,7 @@
 
 pub mod anatomy;
 pub mod curves;
+pub mod down;
 #[cfg(feature = "extract")]
 pub mod extract;
 pub mod groom;
