@@ -5,6 +5,9 @@ use super::{
     vane::{Cell, Local, Vane},
 };
 
+/// What averages over whole footprints averages over the parts that a line leaves of them, if it does so with this much to spare.
+pub(super) const PARTS_MARGIN: f64 = 4.0;
+
 /// The four evaluators, dearest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Evaluator {
@@ -277,7 +280,8 @@ pub fn classify_bounds<T: Real>(
     if along > threshold && across > threshold {
         return Lod::Mean;
     }
-    if along > threshold && teeth * across > least_teeth {
+    // Stripes serve what the rachis or the outline leave of a footprint, too.
+    if along > T::of(PARTS_MARGIN) * threshold && teeth * across > least_teeth {
         return Lod::Far;
     }
     let across_max = square(sigma_major_max / vane.p_b);

@@ -14,12 +14,12 @@
 //! | `cut_out` | what is drawn where it does not |
 
 mod bounds;
-mod core;
 mod cut_out;
 mod limits;
 mod lod;
 mod material;
 mod pack;
+mod repeat;
 mod specialize;
 mod wear;
 mod wind;
@@ -27,7 +27,7 @@ mod wind;
 pub use cut_out::FeatherPath;
 pub use lod::CARD_COUNTERS;
 pub use material::{
-    CoverageMethod, DebugView, FeatherMaterial, FeatherSettings, FeatherTransparency,
+    CoverageMethod, DebugView, DrawnCards, FeatherMaterial, FeatherSettings, FeatherTransparency,
 };
 pub use pack::CARD_VEC4S;
 pub use wear::{FeatherQuality, PlumageMemory, PlumageWork};
@@ -67,7 +67,7 @@ impl Plugin for FeatherRenderPlugin {
             )
             .add_plugins((
                 ShadersPlugin,
-                core::CorePlugin,
+                repeat::RepeatPlugin,
                 MaterialPlugin::<FeatherMaterial>::default(),
                 wear::WearPlugin,
                 lod::LodPlugin,

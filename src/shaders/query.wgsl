@@ -15,6 +15,8 @@ const LOD_MIXED: u32 = 4u;
 // Among the evaluators of `choose` only: harmonics are left.
 const LATTICE: u32 = 5u;
 
+// What averages over whole footprints averages over the parts that a line leaves of them, if it does so with this much to spare.
+const PARTS_MARGIN: f32 = 4.0;
 const LEAST_VARIANCE: f32 = 1e-16;
 
 // A Gaussian over the canonical plane; covariance is (xx, xy, yy).
@@ -135,7 +137,7 @@ fn classify_bounds(vane: Vane, sigma_minor_min: f32, sigma_major_max: f32, thres
     if along * along > threshold && across * across > threshold {
         return LOD_MEAN;
     }
-    if along * along > threshold && teeth * across * across > least_teeth {
+    if along * along > PARTS_MARGIN * threshold && teeth * across * across > least_teeth {
         return LOD_FAR;
     }
     let across_max = sigma_major_max / vane.p_b;
