@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `material` | [`FeatherMaterial`], its settings and pipelines |
 //! | `specialize` | how coverage becomes pixels in the view at hand |
-//! | `core` | order-independent transparency |
+//! | `repeat` | the card mesh drawn more than once: LOD classes, order-independent transparency |
 //! | `wind` | [`Wind`] and [`Ruffle`] |
 //! | `pack` | feathers, fibre tables and cards as the shaders read them |
 //! | `wear` | gives every groomed bird its material; [`PlumageMemory`] |
