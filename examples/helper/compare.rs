@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 
 const METHODS: [(&str, CoverageMethod); 3] = [
-    ("supersampled", CoverageMethod::Chosen),
+    ("supersampled", CoverageMethod::Supersampled),
     ("chosen", CoverageMethod::Chosen),
     ("published", CoverageMethod::Published),
 ];
