@@ -124,7 +124,7 @@ fn choose(cell: Cell, local: Local, threshold: f32) -> Choice {
     if teeth > least_teeth && (local.variance > 25.0 || (rows <= f32(MAX_ROWS) && 1.2 * nodes <= cells)) {
         return Choice(LATTICE, false, budget);
     }
-    return Choice(LOD_NEAR, 1.2 * nodes < 4.0 * cells, budget);
+    return Choice(LOD_NEAR, 6.0 * nodes < 7.0 * cells, budget);
 }
 
 // What can be said of every footprint whose minor axis is at least `sigma_minor_min`, the major one at most `sigma_major_max`.
