@@ -18,9 +18,10 @@ const MOST_STEPS: u32 = 512;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rays {
     /// A Fibonacci lattice: the error falls with the number of rays, not with its root.
-    #[default]
     Fibonacci,
-    /// A lattice in one quarter of the azimuth, mirrored in x and in y: a mirrored tile then has the mirrored transfer to rounding.
+    /// A lattice in one quarter of the azimuth, mirrored in x and in y: a mirrored tile then has the mirrored transfer to rounding,
+    /// and no side is brighter. Takes one and a half times as many rays as the plain lattice for the same error.
+    #[default]
     Mirrored,
     /// Independent random directions, as published.
     Random(u64),
@@ -51,7 +52,7 @@ pub struct TransferSettings {
 impl Default for TransferSettings {
     fn default() -> Self {
         Self {
-            count: 256,
+            count: 512,
             rays: Rays::Mirrored,
             skin: Skin::Opaque(0.0),
             sine: false,
@@ -81,6 +82,8 @@ pub enum TransferError {
 pub struct RawTransfer {
     /// One array a cell, in the tile's order.
     pub cells: Vec<[f32; HARMONICS]>,
+    /// Albedo of the skin below; 0 without.
+    pub albedo: f32,
 }
 
 /// Directions of a set of rays, each worth `4 pi / count`.
@@ -95,7 +98,9 @@ pub fn rays(rays: Rays, count: u32) -> Vec<[f64; 3]> {
             for i in 0..quarter {
                 let z = 1.0 - (2 * i + 1) as f64 / quarter as f64;
                 let r = (1.0 - z * z).max(0.0).sqrt();
-                let phi = 0.5 * PI * ((i as f64 + 0.5) * golden).fract();
+                // Folded like the mirrored function: a lattice is exact for whole periods only.
+                let turn = 2.0 * ((i as f64 + 0.5) * golden).fract();
+                let phi = 0.5 * PI * (1.0 - (turn - 1.0).abs());
                 let (x, y) = (r * phi.cos(), r * phi.sin());
                 all.extend([[x, y, z], [-x, y, z], [-x, -y, z], [x, -y, z]]);
             }
@@ -305,10 +310,15 @@ pub fn bake(
 ) -> Result<RawTransfer, TransferError> {
     let baker = Baker::new(tile, settings)?;
     let all = baker.cells();
+    let albedo = match settings.skin {
+        Skin::Opaque(albedo) => albedo,
+        Skin::Clear => 0.0,
+    };
     let threads = threads.clamp(1, 64);
     if threads == 1 {
         return Ok(RawTransfer {
             cells: baker.bake(0..all),
+            albedo,
         });
     }
     // More parts than threads would be fairer, but cells of one layer cost about the same: deal out rows in turn.
@@ -336,5 +346,5 @@ pub fn bake(
             });
         }
     });
-    Ok(RawTransfer { cells })
+    Ok(RawTransfer { cells, albedo })
 }
