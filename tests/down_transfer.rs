@@ -299,12 +299,12 @@ fn grey(c: [f64; 3]) -> f64 {
 #[test]
 fn d9_four_numbers_carry_a_sky() {
     for (name, tile) in [
-        ("down", down_tile(64, 32, 2)),
-        ("hair", hair_tile(64, 32, 2)),
+        ("down", down_tile(32, 32, 2)),
+        ("hair", hair_tile(32, 32, 2)),
     ] {
         let raw = bake(&tile, &settings(256), THREADS).expect("sound");
         let transfer = Transfer::compress(&raw);
-        let judge = Judge::new(&tile, 2411);
+        let judge = Judge::new(&tile, 499);
         let skies: Vec<Sky> = light_directions()
             .into_iter()
             .map(|sun| sky(4096, |d| sky_light(sun, d)))

@@ -226,6 +226,9 @@ impl<'a> Baker<'a> {
                 blocked += light;
                 continue;
             }
+            if light == 0.0 {
+                continue;
+            }
             for (sum, y) in sum.iter_mut().zip(ray.basis) {
                 *sum += light * y;
             }
@@ -255,50 +258,55 @@ impl<'a> Baker<'a> {
 
     /// Light left of a ray that starts in the middle of a cell (at `rise` of its height) and leaves the tile above or below.
     fn transmittance(&self, ray: &Ray, place: [usize; 3], rise: f32) -> f32 {
-        let size = self.tile.size().as_ivec3().to_array();
+        let size = self.tile.size().as_usizevec3().to_array();
         let extinction = self.tile.extinction();
-        let mut at = place.map(|p| p as i32);
-        let first = if ray.step[2] > 0 { 1.0 - rise } else { rise };
-        let mut next = [
-            ray.stride[0] * 0.5,
-            ray.stride[1] * 0.5,
-            ray.stride[2] * first,
-        ];
+        let layer = size[0] * size[1];
+        let up = ray.step[2] > 0;
+        let [mut x, mut y, mut z] = place;
+        let [sx, sy, sz] = ray.stride;
+        let (mut next_x, mut next_y) = (sx * 0.5, sy * 0.5);
+        let mut next_z = sz * if up { 1.0 - rise } else { rise };
         let mut way = 0.0;
         let mut depth = 0.0;
         for _ in 0..MOST_STEPS {
-            let cell = (at[0] + size[0] * (at[1] + size[1] * at[2])) as usize;
-            let axis = if next[0] < next[1] {
-                if next[0] < next[2] { 0 } else { 2 }
-            } else if next[1] < next[2] {
-                1
+            let here = extinction[x + size[0] * y + layer * z];
+            if next_x < next_y && next_x < next_z {
+                depth += here * (next_x - way);
+                way = next_x;
+                next_x += sx;
+                x = wrapped(x, ray.step[0], size[0]);
+            } else if next_y < next_z {
+                depth += here * (next_y - way);
+                way = next_y;
+                next_y += sy;
+                y = wrapped(y, ray.step[1], size[1]);
             } else {
-                2
-            };
-            depth += extinction[cell] * (next[axis] - way);
+                depth += here * (next_z - way);
+                way = next_z;
+                next_z += sz;
+                z = if up { z + 1 } else { z.wrapping_sub(1) };
+                if z >= size[2] {
+                    return (-depth).exp();
+                }
+            }
             if depth > DARK {
                 return 0.0;
             }
-            way = next[axis];
-            next[axis] += ray.stride[axis];
-            at[axis] += ray.step[axis];
-            if axis == 2 {
-                if at[2] < 0 || at[2] >= size[2] {
-                    return (-depth).exp();
-                }
-            } else if at[axis] < 0 {
-                at[axis] += size[axis];
-            } else if at[axis] >= size[axis] {
-                at[axis] = 0;
-            }
         }
-        let layers = if ray.step[2] > 0 {
-            size[2] - at[2]
-        } else {
-            at[2] + 1
-        };
-        depth += self.mean * (layers as f32 * ray.stride[2]);
+        let layers = if up { size[2] - z } else { z + 1 };
+        depth += self.mean * (layers as f32 * sz);
         (-depth).exp()
+    }
+}
+
+/// The next index along a period.
+fn wrapped(i: usize, step: i32, size: usize) -> usize {
+    if step > 0 {
+        if i + 1 == size { 0 } else { i + 1 }
+    } else if i == 0 {
+        size - 1
+    } else {
+        i - 1
     }
 }
 
