@@ -1,9 +1,12 @@
 //! Volumes and lights of the down tests and charts.
 #![allow(dead_code)]
 
+pub mod pixel;
+
 use bevy::math::{UVec3, Vec3};
 use bevy_plumage::down::{
     Tile,
+    harmonics::fibonacci_rays,
     texture::{Fur, fur_tile},
 };
 
@@ -159,8 +162,76 @@ pub fn lobe_light(axis: [f64; 3], d: [f64; 3]) -> f64 {
 
 /// Lights over the upper hemisphere: 16 directions.
 pub fn light_directions() -> Vec<[f64; 3]> {
-    bevy_plumage::down::harmonics::fibonacci_rays(32)
+    fibonacci_rays(32)
         .into_iter()
         .filter(|d| d[2] > 0.0)
         .collect()
+}
+
+/// Luminance.
+pub fn grey(c: [f64; 3]) -> f64 {
+    0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]
+}
+
+/// Cells of a tile spread over all heights, and what reaches each from a light, by 2048 rays of the judge.
+pub struct Judge {
+    /// Cells that are judged.
+    pub cells: Vec<usize>,
+    rays: Vec<[f64; 3]>,
+    visible: Vec<Vec<f64>>,
+}
+
+impl Judge {
+    pub fn new(tile: &Tile, step: usize) -> Self {
+        let size = tile.size();
+        let rays: Vec<[f64; 3]> = fibonacci_rays(2048)
+            .into_iter()
+            .filter(|d| d[2] > 0.0)
+            .collect();
+        let cells: Vec<usize> = (0..tile.extinction().len()).step_by(step).collect();
+        let place = |cell: usize| {
+            let at = |i: usize, n: u32, width: f64| (i as f64 + 0.5) / f64::from(n) * width;
+            let (nx, ny) = (size.x as usize, size.y as usize);
+            let width = f64::from(tile.width());
+            [
+                at(cell % nx, size.x, width),
+                at(cell / nx % ny, size.y, width),
+                at(cell / nx / ny, size.z, 1.0),
+            ]
+        };
+        let step = 0.3 / f64::from(size.z);
+        let visible = cells
+            .iter()
+            .map(|cell| {
+                rays.iter()
+                    .map(|d| reference_ray(tile, place(*cell), *d, step))
+                    .collect()
+            })
+            .collect();
+        Self {
+            cells,
+            rays,
+            visible,
+        }
+    }
+
+    /// Root of the mean square over cells and suns of what `guess` says (cell, sun) against the judge, over the mean.
+    pub fn error(
+        &self,
+        light: impl Fn([f64; 3], [f64; 3]) -> f64,
+        guess: impl Fn(usize, usize) -> f64,
+    ) -> f64 {
+        let (mut square, mut sum, mut count) = (0.0, 0.0, 0.0);
+        for (s, sun) in light_directions().into_iter().enumerate() {
+            let values: Vec<f64> = self.rays.iter().map(|d| light(sun, *d)).collect();
+            for (cell, visible) in self.cells.iter().zip(&self.visible) {
+                let lit: f64 = visible.iter().zip(&values).map(|(v, l)| v * l).sum();
+                let truth = lit / 2048.0;
+                square += (guess(*cell, s) - truth).powi(2);
+                sum += truth;
+                count += 1.0;
+            }
+        }
+        f64::sqrt(square / count) / (sum / count)
+    }
 }

@@ -200,6 +200,31 @@ impl<'a> Baker<'a> {
         (cells.start.min(end)..end).map(|i| self.cell(i)).collect()
     }
 
+    /// Light left of every ray that leaves a cell, in the order of [`rays`]; 0 for those that opaque skin blocks. What the harmonics
+    /// are made from. Empty for a cell that is not there.
+    pub fn visibility(&self, cell: usize) -> Vec<f32> {
+        if cell >= self.cells() {
+            return Vec::new();
+        }
+        let size = self.tile.size().as_usizevec3();
+        let place = [
+            cell % size.x,
+            cell / size.x % size.y,
+            cell / (size.x * size.y),
+        ];
+        let clear = self.settings.skin == Skin::Clear;
+        self.rays
+            .iter()
+            .map(|ray| {
+                if ray.step[2] < 0 && !clear {
+                    0.0
+                } else {
+                    self.transmittance(ray, place, 0.5)
+                }
+            })
+            .collect()
+    }
+
     fn cell(&self, index: usize) -> [f32; HARMONICS] {
         let size = self.tile.size().as_usizevec3();
         let place = [
