@@ -31,7 +31,7 @@ fn double(four: &Four<f32>) -> Four<f64> {
 fn skies(light: Light) -> Vec<Sky> {
     light_directions()
         .into_iter()
-        .map(|sun| sky(4096, |d| [light(sun, d); 3]))
+        .map(|sun| sky(16_384, |d| [light(sun, d); 3]))
         .collect()
 }
 
@@ -40,7 +40,7 @@ pub fn stored(folder: &Path) -> Result<()> {
         ("down", down_tile(64, 32, 2)),
         ("hair", hair_tile(64, 32, 2)),
     ] {
-        let judge = Judge::new(&tile, 1201);
+        let judge = Judge::new(&tile, 2003);
         let curves = curves(&tile, &judge)?;
         let labels = Labels {
             title: &format!("Light in the fur over what is stored of its transfer ({volume})"),
@@ -59,8 +59,16 @@ fn curves(tile: &Tile, judge: &Judge) -> Result<Vec<Curve>> {
         skin: Skin::Opaque(0.0),
         ..published::settings(1024, 1)
     };
-    let random = bake(tile, &random, THREADS)?;
-    let clear = bake(tile, &published::settings(1024, 1), THREADS)?;
+    let judged = |settings: &TransferSettings| -> Result<RawTransfer> {
+        let baker = Baker::new(tile, settings)?;
+        let mut cells = vec![[0.0; 25]; baker.cells()];
+        for cell in &judge.cells {
+            cells[*cell] = baker.bake(*cell..*cell + 1)[0];
+        }
+        Ok(RawTransfer { cells, albedo: 0.0 })
+    };
+    let random = judged(&random)?;
+    let clear = judged(&published::settings(1024, 1))?;
     let transfer = Transfer::compress(&raw);
     let texels = transfer_texture(&transfer, tile, 1).swap_remove(0).bytes;
     let mut curves = Vec::new();
@@ -105,7 +113,7 @@ pub fn rays(folder: &Path) -> Result<()> {
         ("down", down_tile(64, 32, 2)),
         ("hair", hair_tile(64, 32, 2)),
     ] {
-        let step = 331;
+        let step = 1009;
         let bake = |count: u32, rays: Rays| -> Result<Vec<[f32; 25]>> {
             let settings = TransferSettings {
                 count,
