@@ -29,6 +29,11 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "scattering_near.wgsl");
         load_shader_library!(app, "scattering_sample.wgsl");
         load_shader_library!(app, "sheen.wgsl");
+        load_shader_library!(app, "down_coverage.wgsl");
+        load_shader_library!(app, "down_transfer.wgsl");
+        load_shader_library!(app, "down_slabs.wgsl");
+        load_shader_library!(app, "down_strands.wgsl");
+        load_shader_library!(app, "down_fragments.wgsl");
         load_shader_library!(app, "feather_data.wgsl");
         load_shader_library!(app, "feather_io.wgsl");
         load_shader_library!(app, "wind.wgsl");
