@@ -4,6 +4,7 @@
 //! *Hybrid fur rendering*), and shells lit by precomputed radiance transfer. Everything here is pure maths; each function that
 //! the GPU needs has a WGSL twin of the same name in `shaders/down_*.wgsl`.
 
+pub mod density;
 pub mod light;
 pub mod march;
 pub mod prism;
@@ -12,4 +13,5 @@ pub mod tile;
 mod vector;
 pub mod walk;
 
+pub use density::Density;
 pub use tile::Tile;
