@@ -314,7 +314,8 @@ fn coarser(fine: &DensityLevel, width: f32) -> Option<DensityLevel> {
         1.0 / size.z as f32,
     ];
     let at = |p: [u32; 3]| {
-        let x = p[0].min(size.x - 1) + size.x * (p[1].min(size.y - 1) + size.y * p[2].min(size.z - 1));
+        let x =
+            p[0].min(size.x - 1) + size.x * (p[1].min(size.y - 1) + size.y * p[2].min(size.z - 1));
         fine.extinction[x as usize]
     };
     let mut extinction = Vec::with_capacity(half.as_usizevec3().element_product());
