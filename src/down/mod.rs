@@ -12,6 +12,7 @@ pub mod published;
 pub mod reference;
 pub mod shell;
 pub mod slab;
+pub mod tier;
 pub mod tile;
 mod vector;
 pub mod walk;

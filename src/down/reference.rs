@@ -89,8 +89,8 @@ impl Medium {
         let mut share = Vec::with_capacity(size.iter().product());
         for z in 0..size[2] {
             let height = z as f64 / (size[2] - 1) as f64;
-            // A quarter of a cell a step.
-            let steps = 4.0 * self.size[2] as f64 * (1.0 - height) / light[2];
+            // Half a cell a step.
+            let steps = 2.0 * self.size[2] as f64 * (1.0 - height) / light[2];
             for y in 0..size[1] {
                 for x in 0..size[0] {
                     let place = [

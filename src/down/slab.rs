@@ -5,9 +5,9 @@ use super::{
     Density,
     light::{
         column_transmittance, kajiya_kay_diffuse, light_exit, light_step, multiple_scattering,
-        scattering_albedo, sky_irradiance,
+        scattering_albedo, sky_irradiance, sky_visibility,
     },
-    march::{DEPTH_CLIP, March, march_length, march_step},
+    march::{DEPTH_CLIP, March, march_floor, march_lit, march_step},
 };
 use crate::query::math::{Real, clamp};
 
@@ -132,6 +132,12 @@ pub fn slab_visibility<T: Real>(
     }
 }
 
+/// Length of a ray worth marching, in heights.
+fn slab_length<T: Real>(density: &Density, mu: T, clip: T) -> T {
+    let (depth, power) = (f64::from(density.mean()), f64::from(density.power()));
+    (T::one() - march_floor(mu, T::of(depth), T::of(power), clip)) / mu
+}
+
 /// Radiance towards the eye under a directional light of irradiance pi (a white diffuse wall facing it has radiance 1), with an opaque
 /// skin below. Fibres of random directions: the sines are dropped.
 pub fn slab_radiance<T: Real>(
@@ -145,7 +151,7 @@ pub fn slab_radiance<T: Real>(
     let tiles = T::one() / T::of(f64::from(density.width()));
     let whole = T::one() / mu;
     let mean = T::of(f64::from(density.mean()));
-    let length = march_length(whole, mean, settings.clip);
+    let length = slab_length(density, mu, settings.clip);
     let depth = mean;
     let factor = [0, 1, 2].map(|k: usize| {
         let single = pi * kajiya_kay_diffuse(coat.albedo[k], T::zero(), T::one());
@@ -164,22 +170,19 @@ pub fn slab_radiance<T: Real>(
         ]
     };
     let mut march = March::default();
+    let mut last = T::zero();
     let count = settings.steps.ceil().to_u32().unwrap_or(1).clamp(1, 64);
     for i in 0..count {
         let (share, width) = march_step(i, settings.steps, settings.jitter);
-        let place = at(share * length);
-        let extinction = density.sample(place, settings.mip);
-        let visible = slab_visibility(density, place, ray.light, settings.light, settings.mip);
-        march = march.add(
-            extinction * width * length,
-            factor.map(|f| f * visible),
-            share * length,
-        );
+        let depth = density.sample(at(share * length), settings.mip) * width * length;
+        let lit = at((share + (march_lit(depth) - settings.jitter) * width) * length);
+        let visible = slab_visibility(density, lit, ray.light, settings.light, settings.mip);
+        march = march.add(depth, factor.map(|f| f * visible), share * length);
+        last = visible;
     }
     if length < whole {
-        // What is cut off is opaque: its colour is that of the last sample.
-        let shown = T::one() - march.transmittance;
-        return march.radiance.map(|r| r / shown.max(T::of(1e-6)));
+        // What is cut off counts as opaque and lit like the last step.
+        return march.over(factor.map(|f| f * last));
     }
     let place = at(whole);
     let mut visible = slab_visibility(density, place, ray.light, settings.light, settings.mip);
@@ -198,8 +201,9 @@ pub fn slab_sky<T: Real>(
     let tiles = T::one() / T::of(f64::from(density.width()));
     let whole = T::one() / mu;
     let mean = T::of(f64::from(density.mean()));
-    let length = march_length(whole, mean, settings.clip);
+    let length = slab_length(density, mu, settings.clip);
     let mut march = March::default();
+    let mut last = [T::zero(); 3];
     let count = settings.steps.ceil().to_u32().unwrap_or(1).clamp(1, 64);
     for i in 0..count {
         let (share, width) = march_step(i, settings.steps, settings.jitter);
@@ -209,9 +213,10 @@ pub fn slab_sky<T: Real>(
             ray.place[1] - t * ray.eye[1] * tiles,
             T::one() - t * ray.eye[2],
         ];
-        let extinction = density.sample(place, settings.mip);
+        let depth = density.sample(place, settings.mip) * width * length;
+        let lit = T::one() - (share + (march_lit(depth) - settings.jitter) * width) * length * mu;
         // Half the sky above, through the mean column.
-        let visible = T::of(0.5) * super::light::sky_visibility(density.column(place[2]));
+        let visible = T::of(0.5) * sky_visibility(density.column(lit));
         let source = [0, 1, 2].map(|k: usize| {
             let albedo = scattering_albedo(coat.albedo[k], coat.skin[k], mean);
             let many = if settings.multiple {
@@ -221,11 +226,11 @@ pub fn slab_sky<T: Real>(
             };
             coat.albedo[k] * visible * many
         });
-        march = march.add(extinction * width * length, source, t);
+        march = march.add(depth, source, t);
+        last = source;
     }
     if length < whole {
-        let shown = T::one() - march.transmittance;
-        return march.radiance.map(|r| r / shown.max(T::of(1e-6)));
+        return march.over(last);
     }
     let ground = sky_irradiance(mean);
     march.over(coat.skin.map(|s| s * ground))
