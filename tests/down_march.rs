@@ -67,7 +67,7 @@ fn marched(
         let depth = density.sample(at(share * length), 0.0) * width * length;
         let light = lit.at(at((share + (march_lit(depth) - 0.5) * width) * length));
         march = march.add(depth, [light; 3], share);
-        last = light;
+        last += (light - last) * (width * steps).clamp(0.0, 1.0);
     }
     let ground = if length < whole { last } else { 0.0 };
     march.over([ground; 3])[0]

@@ -3,6 +3,7 @@ mod common;
 mod down_common;
 
 use bevy_plumage::down::{
+    published,
     shell::{self, NO_LINK, Shell, ShellError},
     walk::{self, Walk, WalkEnd, walk_start},
 };
@@ -317,4 +318,44 @@ fn shader_twin() {
     }
     println!("{count} walks, {ends} other ends");
     assert!(ends * 500 < count, "{ends} of {count} end otherwise");
+}
+
+#[test]
+fn published_steps_lose_path() {
+    // The published walk finds the same way through the shell, but for the last part of a step.
+    let shell = torus("torus", 40, 20, 0.0, false, 0.1).shell();
+    let brute = Brute::new(&shell);
+    let mut rng = Pcg64Mcg::seed_from_u64(11);
+    let (mut off, mut whole) = ([0.0f64; 2], 0.0);
+    for _ in 0..400 {
+        let (origin, direction) = ray(&shell, Aim::Random, &mut rng);
+        let Some((t, start)) = brute.entries(origin, direction).first().copied() else {
+            continue;
+        };
+        if start % 16 != 3 {
+            continue;
+        }
+        let at = [0, 1, 2].map(|k| origin[k] + t * direction[k]);
+        let mut length = 0.0;
+        let begin: Walk<f64> = walk_start(&shell, start, at, direction);
+        walk::walk(&shell, begin, at, direction, |s| {
+            length += s.t[1] - s.t[0];
+            true
+        });
+        whole += length;
+        for (off, step) in off.iter_mut().zip([0.008, 0.03]) {
+            let steps =
+                published::step_walk(&shell, start / 16, at, direction, step, |_, place| {
+                    assert!(place.iter().all(|x| *x > -1e-3 && *x < 1.001), "{place:?}");
+                });
+            *off += (f64::from(steps) * step - length).abs();
+        }
+    }
+    println!(
+        "off by {:.4} at 0.05 edges, {:.4} at 0.2",
+        off[0] / whole,
+        off[1] / whole
+    );
+    assert!(off[0] / whole < 0.05 && off[1] / whole < 0.15);
+    assert!(off[0] < off[1], "shorter steps end more exactly");
 }

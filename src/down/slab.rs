@@ -178,7 +178,8 @@ pub fn slab_radiance<T: Real>(
         let lit = at((share + (march_lit(depth) - settings.jitter) * width) * length);
         let visible = slab_visibility(density, lit, ray.light, settings.light, settings.mip);
         march = march.add(depth, factor.map(|f| f * visible), share * length);
-        last = visible;
+        // A short last step counts for its share: nothing jumps as steps come and go.
+        last = last + (visible - last) * clamp(width * settings.steps, T::zero(), T::one());
     }
     if length < whole {
         // What is cut off counts as opaque and lit like the last step.
@@ -227,7 +228,8 @@ pub fn slab_sky<T: Real>(
             coat.albedo[k] * visible * many
         });
         march = march.add(depth, source, t);
-        last = source;
+        let part = clamp(width * settings.steps, T::zero(), T::one());
+        last = [0, 1, 2].map(|k: usize| last[k] + (source[k] - last[k]) * part);
     }
     if length < whole {
         return march.over(last);
