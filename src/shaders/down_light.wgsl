@@ -63,7 +63,8 @@ fn light_exit(height: f32, cosine: f32, curvature: f32) -> f32 {
     let k = clamp(curvature, 0.0, 1.0);
     let here = 1.0 + z * k;
     let sine = (1.0 - mu * mu) * here * here;
-    if select(mu <= 0.0, sine <= 1.0 && mu < 0.0, k > 0.0) {
+    let shadowed = sine <= 1.0 && mu < 0.0;
+    if select(mu <= 0.0, shadowed, k > 0.0) {
         return 64.0;
     }
     let root = sqrt(max((1.0 + k) * (1.0 + k) - sine, 0.0));
