@@ -30,7 +30,7 @@ fn torus() -> Result<Shell> {
 }
 
 /// Share of the path that is off, over the time of a ray.
-pub fn walk(folder: &Path) -> Result<()> {
+pub fn chart(folder: &Path) -> Result<()> {
     let shell = torus()?;
     let mut rng = Pcg64Mcg::seed_from_u64(7);
     // Rays into the tops, from random directions above.
