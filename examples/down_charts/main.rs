@@ -1,7 +1,7 @@
 //! Charts of the marched undercoat, an SVG and its numbers as CSV each: steps of the march, models of the light, tiers, the walk through
 //! the shell; error against dense references over processor time of the same run.
 //!
-//! `cargo run --example down_charts [folder]` (default `docs/charts`)
+//! `CARGO_PROFILE_DEV_OPT_LEVEL=3 cargo run --example down_charts [folder]` (default `docs/charts`)
 
 mod plot;
 mod walk;
