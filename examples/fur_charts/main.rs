@@ -10,7 +10,6 @@ mod picture;
 mod plot;
 mod shells;
 mod transfer;
-#[allow(dead_code)]
 #[path = "../../tests/down_common/mod.rs"]
 mod volumes;
 

@@ -5,9 +5,9 @@ use super::{
     volumes::hair_tile,
 };
 use bevy_plumage::down::slabs::{columns, published_alpha, slab_alpha};
-use std::path::Path;
+use std::{f32::consts::FRAC_1_SQRT_2, path::Path};
 
-const COSINES: [(&str, f32); 3] = [("0", 1.0), ("45", 0.707_106_8), ("70", 0.342_020_14)];
+const COSINES: [(&str, f32); 3] = [("0", 1.0), ("45", FRAC_1_SQRT_2), ("70", 0.342_020_14)];
 
 pub fn count(folder: &Path) -> Result<()> {
     let tile = hair_tile(64, 32, 2);
