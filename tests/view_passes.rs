@@ -13,7 +13,7 @@ use bevy_plumage::prelude::*;
 use common::{
     app::Stage,
     view::{
-        Shown, darken, frames, hang_sheet, keep, mean_color, orthographic, showing,
+        Shown, darken, frames, hang_sheet, keep, mean, mean_color, orthographic, rms, showing,
         silhouettes_differ, spawn_patch, with_sheets,
     },
 };
@@ -178,4 +178,53 @@ fn silhouettes_agree_in_colour_depth_and_shadow() {
     }
     println!("{report}");
     assert!(worst < 0.01, "silhouettes differ:\n{report}");
+}
+
+/// Behind a depth prepass the colour pass shades only what shows, by other pipelines: nothing else may change.
+#[test]
+fn a_depth_prepass_changes_no_colour() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let camera = stage.camera;
+    stage.app.world_mut().spawn((
+        DirectionalLight::default(),
+        Transform::from_xyz(0.4, 0.5, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
+    let bird = spawn_patch(
+        &mut stage,
+        40,
+        Vec3::ZERO,
+        showing(DebugView::None, FeatherTransparency::AlphaToCoverage),
+    );
+    stage.settle();
+    for (msaa, transparency) in [
+        (Msaa::Sample4, FeatherTransparency::AlphaToCoverage),
+        (Msaa::Off, FeatherTransparency::AlphaToCoverage),
+        (Msaa::Off, FeatherTransparency::Hashed),
+    ] {
+        stage
+            .app
+            .world_mut()
+            .entity_mut(camera)
+            .insert(msaa)
+            .remove::<DepthPrepass>();
+        stage
+            .app
+            .world_mut()
+            .entity_mut(bird)
+            .insert(showing(DebugView::None, transparency));
+        frames(&mut stage, 3);
+        let without = stage.picture();
+        stage
+            .app
+            .world_mut()
+            .entity_mut(camera)
+            .insert(DepthPrepass);
+        frames(&mut stage, 3);
+        let with = stage.picture();
+        let off = rms(&with, &without);
+        assert!(mean(&without) > 0.02, "nothing is lit");
+        assert!(off < 1.0 / 255.0, "{msaa:?} {transparency:?}: {off}");
+    }
 }

@@ -113,14 +113,26 @@ pub fn feather_pipeline(
         });
     }
     let resolve = Resolve::choose(key, mesh_key);
+    let solid = matches!(resolve, Resolve::Samples(_) | Resolve::Hashed);
+    let late =
+        mesh_key.intersection(MeshPipelineKey::BLEND_RESERVED_BITS) == MeshPipelineKey::BLEND_ALPHA;
+    let decided = !prepass && solid && !late && mesh_key.contains(MeshPipelineKey::DEPTH_PREPASS);
     let mut defs = key.shader_defs();
-    defs.extend(resolve.shader_defs());
+    if decided {
+        defs.push("DEPTH_DECIDED".into());
+    } else {
+        defs.extend(resolve.shader_defs());
+    }
     descriptor.vertex.shader_defs.extend(key.shader_defs());
     if let Some(fragment) = &mut descriptor.fragment {
         if prepass {
             let emulated = has_def(&fragment.shader_defs, "UNCLIPPED_DEPTH_ORTHO_EMULATION");
             if descriptor.primitive.unclipped_depth || emulated {
                 defs.push("DIRECTIONAL_SHADOW".into());
+                descriptor
+                    .vertex
+                    .shader_defs
+                    .push("DIRECTIONAL_SHADOW".into());
             }
             let outputs = !fragment.targets.is_empty() || emulated;
             if outputs || matches!(resolve, Resolve::Samples(_)) {
@@ -129,11 +141,13 @@ pub fn feather_pipeline(
         }
         fragment.shader_defs.extend(defs);
     }
-    if !prepass
-        && mesh_key.intersection(MeshPipelineKey::BLEND_RESERVED_BITS)
-            == MeshPipelineKey::BLEND_ALPHA
-        && matches!(resolve, Resolve::Samples(_) | Resolve::Hashed)
-    {
+    if decided {
+        // The depth prepass has said which samples show which card: only those are shaded, each once.
+        if let Some(depth) = &mut descriptor.depth_stencil {
+            depth.depth_write_enabled = Some(false);
+            depth.depth_compare = Some(CompareFunction::Equal);
+        }
+    } else if !prepass && solid && late {
         // A camera without a list of transparent fragments: solid, though in the phase of the transparent ones.
         if let Some(depth) = &mut descriptor.depth_stencil {
             depth.depth_write_enabled = Some(true);

@@ -7,7 +7,7 @@
     feather_io::{FeatherVertex, class_of},
     feather_lighting as light,
     feather_near::{NearFootprint, near_footprint},
-    feather_opacity::{leaves_hole, sample_bits},
+    feather_opacity::{LEAST_OPACITY, leaves_hole, sample_bits},
     scattering::{
         FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreRow, fibre_energy_split, fibre_evaluate, fibre_local,
         fibre_parameters, fibre_albedo, fibre_row_at, fibre_row_mix, fibre_shading, fibre_terms, light_visibility, mean_visibility,
@@ -119,11 +119,16 @@ fn fragment(in: FeatherVertex) -> FeatherColor {
     let front = frame.local_eye.z >= 0.0;
     let albedo = albedo_of(in, feather, front);
     let covered = cover(in, base, shape, frame, class_of(in));
+    var out: FeatherColor;
+#ifdef DEPTH_DECIDED
+    // The depth prepass left the holes out.
+    let opacity = max(dot(covered.weights, vec4(1.0)), LEAST_OPACITY);
+#else
     let opacity = dot(covered.weights, vec4(1.0));
     if (leaves_hole(in, opacity, shape.x)) {
         discard;
     }
-    var out: FeatherColor;
+#endif
 #ifdef SAMPLE_COVERAGE
     out.samples = sample_bits(in, opacity);
 #endif

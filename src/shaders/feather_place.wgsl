@@ -67,17 +67,23 @@ fn bent(position: vec3<f32>, root: vec3<f32>, turn: vec3<f32>, v: f32) -> vec3<f
     return root + turned_by(position - root, turn * (0.5 * v));
 }
 
-// Whether this pipeline draws cards of a class. Depth and shadows of all classes are drawn by one pipeline.
-fn is_drawn(level: u32) -> bool {
-#ifdef PREPASS_PIPELINE
-#ifdef ONLY_MEAN
-    return false;
-#else ifdef ONLY_FAR
-    return false;
-#else
+// Views of point and spot lights look like a camera's in every definition; their view is not where its visibility ranges are
+// resolved, or it has no frustum.
+fn is_light() -> bool {
+#ifdef DIRECTIONAL_SHADOW
     return true;
-#endif
+#else ifdef PREPASS_PIPELINE
+    return all(view.frustum[0] == vec4(0.0)) || any(view.world_position != view.lod_view_world_position);
 #else
+    return false;
+#endif
+}
+
+// Whether this pipeline draws cards of a class. Shadows of all classes are drawn by one pipeline.
+fn is_drawn(level: u32) -> bool {
+    if (is_light()) {
+        return true;
+    }
 #ifdef ONLY_MEAN
     return level == data::CARD_MEAN;
 #else ifdef ONLY_FAR
@@ -86,7 +92,6 @@ fn is_drawn(level: u32) -> bool {
     return level == data::CARD_NEAR || level == data::CARD_MIXED;
 #else
     return level != data::CARD_CULLED;
-#endif
 #endif
 }
 

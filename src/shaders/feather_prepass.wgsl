@@ -1,9 +1,9 @@
 // Depth, normal and motion prepass of cameras, and shadow maps. In a prepass the silhouette is that of the colour pass; a shadow
 // map takes the mean coverage at the light's angle, made holes by a fixed pattern. Both entry points are in one file, because a
 // pipeline that Bevy makes without fragment stage gets this one (FeatherMaterial::specialize).
-#import bevy_pbr::mesh_view_bindings::view
 #import bevy_render::globals::Globals
 #ifdef MOTION_VECTOR_PREPASS
+#import bevy_pbr::mesh_view_bindings::view
 #import bevy_pbr::prepass_bindings::previous_view_uniforms
 #endif
 #import bevy_plumage::{
@@ -14,7 +14,7 @@
     feather_io::{CardVertex, FeatherVertex, class_of},
     feather_opacity::leaves_hole,
     feather_pattern::pattern_threshold,
-    feather_place::place,
+    feather_place::{is_light, place},
     masking::mask_vane,
     query_far::mean_coverage,
 }
@@ -45,16 +45,6 @@ struct Output {
 #endif
 }
 #endif
-
-// Views of point and spot lights look like a camera's in every definition; their view is not where its visibility ranges are
-// resolved, or it has no frustum.
-fn is_light() -> bool {
-#ifdef DIRECTIONAL_SHADOW
-    return true;
-#else
-    return all(view.frustum[0] == vec4(0.0)) || any(view.world_position != view.lod_view_world_position);
-#endif
-}
 
 // Share of the light that a feather stops at `uv`.
 fn shadow_opacity(in: FeatherVertex, base: u32, shape: vec4<f32>) -> f32 {
