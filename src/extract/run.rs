@@ -2,7 +2,7 @@
 
 use super::{
     Confidence, Doubt, ExtractError, ExtractSettings, Extraction, Face, Progress, ScoreMap, Stage,
-    assemble,
+    assemble, axis,
     barbs::Barbs,
     load, outline, paint,
     prepare::{self, Photo},
@@ -66,6 +66,11 @@ pub fn extract(
         confidence
             .rachis
             .doubt(Doubt::FaintRachis(shaft.clear), 0.3 + 1.4 * shaft.clear);
+    }
+    if shaft.kink > 0.26 {
+        confidence
+            .rachis
+            .doubt(Doubt::Kink(shaft.kink.to_degrees()), 0.26 / shaft.kink);
     }
     judge_shape(&cut, &mut confidence);
     let sides = match settings.face {
@@ -134,7 +139,8 @@ fn find_shaft(cut: &Silhouette) -> Result<(Score, Shaft), ExtractError> {
     let light = prepare::equalise(&cut.lab, 8, 2.5);
     let main = score::main_direction(&cut.mask);
     let map = score::score(&light, &cut.lab, &cut.mask, &main);
-    let shaft = shaft::shaft(&map).ok_or_else(|| ExtractError::NoFeather {
+    let cusp = axis::cusp(&cut.lab, &map.distance, &main);
+    let shaft = shaft::shaft(&map, &cusp).ok_or_else(|| ExtractError::NoFeather {
         reason: "no way through from end to end".to_owned(),
     })?;
     Ok((map, shaft))

@@ -7,7 +7,7 @@ use super::{
     outline,
     prepare::{Photo, View, denoise},
     raster::Plane,
-    segment::{Segment, bodies, largest, segment},
+    segment::{Segment, bodies, largest, segment, with_thin_ends},
 };
 use bevy::math::Vec2;
 use image::{DynamicImage, GrayImage, Luma, RgbaImage};
@@ -91,6 +91,7 @@ fn alpha_segment(image: &RgbaImage) -> Segment {
             .collect(),
         threshold: 0.5,
         shadow: 0.0,
+        bitten: 0.0,
     }
 }
 
@@ -289,11 +290,12 @@ pub(super) fn silhouette(
     }
 
     // Upright view around what was found.
-    let along = direction(&found.mask, &Lab::of(&image).planes[0]);
+    let silhouette = with_thin_ends(&found.mask, &found.loose);
+    let along = direction(&silhouette, &Lab::of(&image).planes[0]);
     // The view's x axis; its y axis is then `along`, which shall point down the screen.
     let along = if along.y < 0.0 { -along } else { along };
     let axis = -along.perp();
-    let corners: Vec<Vec2> = outline::border(&found.mask)
+    let corners: Vec<Vec2> = outline::border(&silhouette)
         .into_iter()
         .map(|p| whole.photo(p))
         .collect();
@@ -396,6 +398,10 @@ fn judge(
         if cut.shadow > 0.03 {
             trust.doubt(Doubt::Shadow(cut.shadow), 1.0 - cut.shadow.min(0.6));
         }
+    }
+    if cut.bitten > 0.004 {
+        let factor = 1.0 / (1.0 + 30.0 * cut.bitten);
+        trust.doubt(Doubt::Bitten(cut.bitten), factor);
     }
     let margin = 1.5 * view.scale.max(1.0);
     let touching = outline
