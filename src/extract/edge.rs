@@ -15,8 +15,8 @@ use imageproc::{
 
 /// Parts of the feather narrower than this share of its length are bare shaft.
 const THIN: f32 = 0.025;
-/// Widest mouth of a bite over the feather's length, halved.
-const MOUTH: f32 = 0.05;
+/// Widest mouth of a bite over the feather's length, and over its mean width, halved.
+const MOUTH: (f32, f32) = (0.05, 0.25);
 /// A split is narrower than this share of the length, halved.
 const SPLIT: f32 = 0.009;
 
@@ -120,7 +120,8 @@ pub(super) fn field(scene: &Scene, kept: &GrayImage, low: f32, band: f32) -> (Pl
 pub(super) fn fill_bites(kept: &mut GrayImage, scene: &Scene, noise: f32) -> f32 {
     let (width, height) = kept.dimensions();
     let area = kept.iter().filter(|&&m| m > 0).count().max(1) as f32;
-    let mouth = radius(kept, MOUTH);
+    let wide = area / (width.max(height) as f32).powi(2);
+    let mouth = radius(kept, MOUTH.0.min(MOUTH.1 * wide));
     let split = radius(kept, SPLIT);
     let closed = morphology::close(kept, Norm::L2, mouth);
     let mut bays = GrayImage::from_fn(width, height, |x, y| {
@@ -203,7 +204,7 @@ pub(super) fn fill_bites(kept: &mut GrayImage, scene: &Scene, noise: f32) -> f32
                     *pixel = 255;
                 }
             }
-        } else if share < 0.2 {
+        } else if share < 0.17 {
             left += bay.area as f32 / area;
         }
     }

@@ -20,6 +20,9 @@ const OVERVIEW_OPEN: u8 = 2;
 /// Points of the refined outline, at most.
 const OUTLINE_POINTS: usize = 4096;
 
+/// A feather more slender than this lies along the main direction of its outline.
+pub(super) const SLENDER: f32 = 2.2;
+
 /// The feather upright (its main direction along y), cut out.
 pub(super) struct Silhouette {
     pub view: View,
@@ -34,6 +37,8 @@ pub(super) struct Silhouette {
     pub field: Plane,
     /// Distance of each pixel's colour to the background's.
     pub far: Plane,
+    /// Extent along the main direction over that across it.
+    pub slender: f32,
 }
 
 impl Silhouette {
@@ -197,11 +202,8 @@ fn stripes(light: &Plane, mask: &GrayImage, middle: Vec2) -> Vec<(Vec2, Vec2, f3
 
 /// Direction of the feather. A long one lies along the main direction of its mask; for one nearly as wide as long, the axis
 /// about which outline and barbs are best mirrored says more.
-fn direction(mask: &GrayImage, light: &Plane) -> Vec2 {
-    let Some((middle, main, slender)) = principal(mask) else {
-        return Vec2::Y;
-    };
-    if slender > 2.2 {
+fn direction(mask: &GrayImage, light: &Plane, (middle, main, slender): (Vec2, Vec2, f32)) -> Vec2 {
+    if slender > SLENDER {
         return main;
     }
     let step = (mask.width() * mask.height() / 60_000).max(1) as usize;
@@ -239,10 +241,12 @@ fn direction(mask: &GrayImage, light: &Plane) -> Vec2 {
         .map_or(main, |(_, axis)| axis)
 }
 
-/// Finds the feather, turns the view upright and cuts it out anew at the resolution asked for.
+/// Finds the feather, turns the view upright and cuts it out anew at the resolution asked for. `turn` is the angle from the main
+/// direction of its outline to that of the view; without it the view takes the likeliest.
 pub(super) fn silhouette(
     photograph: &DynamicImage,
     settings: &ExtractSettings,
+    turn: Option<f32>,
     confidence: &mut Confidence,
 ) -> Result<Silhouette, ExtractError> {
     let size = Vec2::new(photograph.width() as f32, photograph.height() as f32);
@@ -291,7 +295,12 @@ pub(super) fn silhouette(
 
     // Upright view around what was found.
     let silhouette = with_thin_ends(&found.mask, &found.loose);
-    let along = direction(&silhouette, &Lab::of(&image).planes[0]);
+    let lie = principal(&silhouette).unwrap_or((Vec2::ZERO, Vec2::Y, 1.0));
+    let slender = lie.2;
+    let along = match turn {
+        Some(turn) => Vec2::from_angle(turn).rotate(lie.1),
+        None => direction(&silhouette, &Lab::of(&image).planes[0], lie),
+    };
     // The view's x axis; its y axis is then `along`, which shall point down the screen.
     let along = if along.y < 0.0 { -along } else { along };
     let axis = -along.perp();
@@ -366,6 +375,7 @@ pub(super) fn silhouette(
         outline,
         field: cut.field,
         far: cut.far,
+        slender,
     })
 }
 
