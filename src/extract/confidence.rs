@@ -28,6 +28,10 @@ pub enum Doubt {
     /// may be missing.
     #[error("bays in the outline of {0:.3} of the feather's area")]
     Bitten(f32),
+    /// The outline is longer than it is once smoothed over a fiftieth of its extent: torn, downy, or parts of the background's
+    /// colour are missing.
+    #[error("ragged outline, {0:.2} times as long as its smoothed course")]
+    Ragged(f32),
     /// No shaft stands out from the vane.
     #[error("faint shaft: {0:.2} of the path stands out")]
     FaintRachis(f32),

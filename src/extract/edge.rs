@@ -47,9 +47,14 @@ fn radius(mask: &GrayImage, share: f32) -> u8 {
 
 /// Positive on the feather, 0 where the colour is half way between feather and background as they are within `band` pixels.
 /// Where the feather near the outline has one colour, only the difference towards that colour counts: a shadow on the other side
-/// of the background's lightness is then background. `low` is the least distance that is no noise. The mask is where shadows
-/// are found out thus.
-pub(super) fn field(scene: &Scene, kept: &GrayImage, low: f32, band: f32) -> (Plane, GrayImage) {
+/// of the background's lightness is then background. `low` is the least distance that is no noise. The masks are where shadows
+/// are found out thus: surely, and likely.
+pub(super) fn field(
+    scene: &Scene,
+    kept: &GrayImage,
+    low: f32,
+    band: f32,
+) -> (Plane, [GrayImage; 2]) {
     let far = scene.far;
     let on = on(kept);
     let shaft = radius(kept, 0.5 * THIN);
@@ -64,11 +69,15 @@ pub(super) fn field(scene: &Scene, kept: &GrayImage, low: f32, band: f32) -> (Pl
     let differences: Vec<Vec3> = (0..far.data.len())
         .map(|i| difference(scene.lab.at(i), scene.behind[i]))
         .collect();
+    // What may be shadow has little say on the vane, too, where anything else is near.
     for (i, weight) in weight.data.iter_mut().enumerate() {
-        if *weight > 0.0 && thick.as_raw()[i] == 0 {
-            *weight *= (far.data[i] / 0.1).powi(5).min(1e4);
-            if shadow_colour(scene.lab.at(i), scene.behind[i]) {
-                *weight *= 1e-3;
+        if *weight > 0.0 {
+            let dark = shadow_colour(scene.lab.at(i), scene.behind[i]);
+            if thick.as_raw()[i] == 0 {
+                *weight *= (far.data[i] / 0.1).powi(5).min(1e4);
+                *weight *= if dark { 1e-3 } else { 1.0 };
+            } else if dark {
+                *weight *= 0.1;
             }
         }
     }
@@ -107,12 +116,21 @@ pub(super) fn field(scene: &Scene, kept: &GrayImage, low: f32, band: f32) -> (Pl
         let half = 0.5 * (mean_far.data[i] + outside.data[i]);
         towards.data[i] - half.clamp(low, 0.3)
     });
-    let shadow = GrayImage::from_fn(kept.width(), kept.height(), |x, y| {
-        let i = y as usize * far.width + x as usize;
-        let dark = towards.data[i] < 0.0 && shadow_colour(scene.lab.at(i), scene.behind[i]);
-        Luma([if dark { 255 } else { 0 }])
-    });
-    (field, shadow)
+    let shadow = |value: &Plane| {
+        GrayImage::from_fn(kept.width(), kept.height(), |x, y| {
+            let i = y as usize * far.width + x as usize;
+            let dark = value.data[i] < 0.0 && shadow_colour(scene.lab.at(i), scene.behind[i]);
+            Luma([if dark { 255 } else { 0 }])
+        })
+    };
+    // A bare shaft and the foot of a vane may be as narrow as their own half shadow: there the mask holds them together.
+    let vane = morphology::open(kept, Norm::L2, shaft.saturating_mul(2));
+    let mut likely = morphology::close(&shadow(&field), Norm::L2, 2);
+    for (pixel, vane) in likely.iter_mut().zip(vane.iter()) {
+        *pixel &= vane;
+    }
+    let shadows = [shadow(&towards), likely];
+    (field, shadows)
 }
 
 /// Fills bays of the outline that differ from the background on the whole, though not pixel by pixel: bars and spots of nearly

@@ -83,9 +83,10 @@ pub fn extract(
             .doubt(Doubt::FaintRachis(shaft.clear), 0.3 + 1.4 * shaft.clear);
     }
     if shaft.kink > 0.26 {
-        confidence
-            .rachis
-            .doubt(Doubt::Kink(shaft.kink.to_degrees()), 0.26 / shaft.kink);
+        confidence.rachis.doubt(
+            Doubt::Kink(shaft.kink.to_degrees()),
+            (0.26 / shaft.kink).powi(2),
+        );
     }
     judge_shape(&cut, &mut confidence);
     let sides = match settings.face {

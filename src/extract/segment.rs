@@ -357,15 +357,21 @@ pub(super) fn segment(
                 f32::from(u8::from(inside(y * width + x)))
             }),
         };
-        let (edge_field, in_shadow) = edge::field(&scene, &kept, low, band);
+        let (edge_field, [in_shadow, likely]) = edge::field(&scene, &kept, low, band);
         field = edge_field;
         let near_kept = morphology::dilate(&kept, Norm::L2, 3);
         let mut refined = mask_of(&field, |i, value| value > 0.0 && near_kept.as_raw()[i] > 0);
-        // Deep inside, a pattern of the background's colour is feather all the same.
+        // Deep inside, a pattern of the background's colour is feather all the same; less deep, unless it may be shadow.
         let core = morphology::erode(&kept, Norm::L2, close.max(3));
+        let deep = morphology::erode(&kept, Norm::L2, (1.5 * band) as u8);
         for (i, pixel) in refined.iter_mut().enumerate() {
+            let inside = if likely.as_raw()[i] == 0 {
+                &core
+            } else {
+                &deep
+            };
             if in_shadow.as_raw()[i] == 0 {
-                *pixel |= core.as_raw()[i];
+                *pixel |= inside.as_raw()[i];
             }
         }
         let whole = refined.clone();

@@ -20,6 +20,9 @@ const OVERVIEW_OPEN: u8 = 2;
 /// Points of the refined outline, at most.
 const OUTLINE_POINTS: usize = 4096;
 
+/// A closed vane's outline is at most this much longer than its smoothed course.
+const RAGGED: f32 = 1.12;
+
 /// A feather more slender than this lies along the main direction of its outline.
 pub(super) const SLENDER: f32 = 2.2;
 
@@ -384,7 +387,7 @@ fn judge(
     cut: &Segment,
     view: &View,
     size: Vec2,
-    outline: &[Vec2],
+    outline_points: &[Vec2],
     background: Option<&Background>,
     long: f32,
     confidence: &mut Confidence,
@@ -413,15 +416,20 @@ fn judge(
         let factor = 1.0 / (1.0 + 30.0 * cut.bitten);
         trust.doubt(Doubt::Bitten(cut.bitten), factor);
     }
+    let ragged = outline::raggedness(outline_points, 0.02);
+    if ragged > RAGGED {
+        trust.doubt(Doubt::Ragged(ragged), (RAGGED / ragged).powi(8).max(0.3));
+    }
     let margin = 1.5 * view.scale.max(1.0);
-    let touching = outline
+    let touching = outline_points
         .iter()
         .filter(|p| {
             let p = view.photo(**p);
             p.min(size - p).min_element() < margin
         })
         .count();
-    let cut_length = touching as f32 * super::outline::length(outline) / outline.len() as f32
+    let cut_length = touching as f32 * outline::length(outline_points)
+        / outline_points.len() as f32
         * view.scale
         / long.max(1.0);
     if cut_length > 0.005 {
