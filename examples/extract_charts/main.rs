@@ -1,7 +1,8 @@
 //! How good the extraction is, on synthetic photographs with known truth: tables, `extract_*.svg` and `extract_*.csv`.
 //!
 //! `cargo run --features extract --example extract_charts [folder] [photographs]` (default `docs/charts`, 520; the least is 39).
-//! `--photograph PRESET FILE` writes one of them. The picture of 12 megapixels is extracted by a process of its own, whose time
+//! `--corpus FOLDER PHOTOGRAPHS FIRST` judges photographs FIRST, FIRST + 1, ... alone, without the sweeps, and writes a line for each
+//! to the error output as it is done: photographs that no parameter was tuned on. `--photograph PRESET FILE` writes one of them. The picture of 12 megapixels is extracted by a process of its own, whose time
 //! and memory are printed; `--large [folder]` does that alone.
 
 mod chart;
@@ -57,22 +58,30 @@ fn main() -> Result<()> {
             arguments.get(1).map_or("docs/charts", String::as_str),
         ));
     }
+    if let [flag, folder, count, first] = arguments.as_slice()
+        && flag == "--corpus"
+    {
+        fs::create_dir_all(folder)?;
+        return corpus(Path::new(folder), first.parse()?, count.parse()?);
+    }
     let folder = PathBuf::from(arguments.first().map_or("docs/charts", String::as_str));
     let count = arguments.get(1).map_or(Ok(520), |text| text.parse())?;
     fs::create_dir_all(&folder)?;
-    corpus(&folder, count)?;
+    corpus(&folder, 0, count)?;
     sweep::sweeps(&folder)?;
     large(&folder)
 }
 
-/// The photographs over the whole range.
-fn corpus(folder: &Path, count: u64) -> Result<()> {
+/// Photographs over the whole range, from number `first` on.
+fn corpus(folder: &Path, first: u64, count: u64) -> Result<()> {
     let start = Instant::now();
-    let mut cases: Vec<Case> = (0..count.max(39))
+    let mut cases: Vec<Case> = (first..first.saturating_add(count.max(39)))
         .into_par_iter()
         .map(|index| {
             let (feather, setting) = random_case(index);
-            run(index, &feather, &setting, &settings(&feather, &setting))
+            let case = run(index, &feather, &setting, &settings(&feather, &setting));
+            eprintln!("{}", row(&case));
+            case
         })
         .collect();
     println!(

@@ -4,7 +4,7 @@ use super::{
     colour::{hsv_cone, srgb},
     raster::quantile,
 };
-use bevy::math::Vec2;
+use bevy::math::{Vec2, Vec3};
 
 /// Colour weighs more than lightness: a background's shading and grain are mostly light.
 const CHROMA_WEIGHT: f32 = 2.5;
@@ -72,11 +72,15 @@ fn toe(lab: [f32; 3]) -> [f32; 3] {
     [KNEE * 0.5 * (share * share + 1.0), a * share, b * share]
 }
 
-/// Distance of two colours of Oklab, colour weighed over lightness, near black damped.
-pub(super) fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
+/// Difference of two colours of Oklab, colour weighed over lightness, near black damped.
+pub(super) fn difference(a: [f32; 3], b: [f32; 3]) -> Vec3 {
     let (a, b) = (toe(a), toe(b));
-    let chroma = (a[1] - b[1]).hypot(a[2] - b[2]) * CHROMA_WEIGHT;
-    (a[0] - b[0]).hypot(chroma)
+    Vec3::from_array([0, 1, 2].map(|c| a[c] - b[c])) * Vec3::new(1.0, CHROMA_WEIGHT, CHROMA_WEIGHT)
+}
+
+/// Length of the [`difference`].
+pub(super) fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
+    difference(a, b).length()
 }
 
 /// Distance of two colours of Oklab in HSV's cone.
@@ -153,28 +157,43 @@ impl Background {
     /// along the frame.
     pub fn find_lines(&mut self, ring: &[(Vec2, [f32; 3])]) {
         let limit = (1.5 * self.most).max(0.06);
+        // What lies off the background on each side, and how much of the side that is.
         let sides = [Vec2::X, Vec2::NEG_X, Vec2::Y, Vec2::NEG_Y].map(|side| {
-            let mut count = 0;
-            let mut off: [Vec<f32>; 3] = Default::default();
-            for (place, colour) in ring {
-                if place.dot(side) < place.abs().max_element() {
-                    continue;
-                }
-                count += 1;
-                if distance(*colour, self.at(*place)) > limit {
-                    for (values, value) in off.iter_mut().zip(colour) {
-                        values.push(*value);
-                    }
-                }
-            }
-            let share = off[0].len() as f32 / count.max(1) as f32;
-            (0.01..0.4)
-                .contains(&share)
-                .then(|| off.map(|mut values| super::raster::median(&mut values)))
+            let on = ring
+                .iter()
+                .filter(|(place, _)| place.dot(side) >= place.abs().max_element());
+            let count = on.clone().count();
+            let off: Vec<[f32; 3]> = on
+                .filter(|(place, colour)| distance(*colour, self.at(*place)) > limit)
+                .map(|(_, colour)| *colour)
+                .collect();
+            (off, count)
         });
+        let colour = |(off, count): &(Vec<[f32; 3]>, usize)| {
+            let share = off.len() as f32 / (*count).max(1) as f32;
+            (0.01..0.4).contains(&share).then(|| {
+                [0, 1, 2].map(|c| {
+                    let mut values: Vec<f32> = off.iter().map(|colour| colour[c]).collect();
+                    super::raster::median(&mut values)
+                })
+            })
+        };
+        // A side that the feather reaches too still has the line's colour.
+        let has = |(off, count): &(Vec<[f32; 3]>, usize), line: [f32; 3]| {
+            let near = off.iter().filter(|&&o| distance(o, line) < 0.1).count();
+            near * 50 > *count
+        };
         let pair = |a: usize, b: usize| {
-            let (a, b) = (sides[a]?, sides[b]?);
-            (distance(a, b) < 0.15).then(|| [0, 1, 2].map(|c| 0.5 * (a[c] + b[c])))
+            let colours = [colour(&sides[a]), colour(&sides[b])];
+            if let [Some(a), Some(b)] = colours
+                && distance(a, b) < 0.15
+            {
+                return Some([0, 1, 2].map(|c| 0.5 * (a[c] + b[c])));
+            }
+            let [first, second] = colours;
+            first
+                .filter(|&line| has(&sides[b], line))
+                .or_else(|| second.filter(|&line| has(&sides[a], line)))
         };
         self.line = pair(0, 1).or_else(|| pair(2, 3));
     }

@@ -24,9 +24,20 @@ pub enum Doubt {
     /// The outline is not that of a feather.
     #[error("shape unlike a feather: {0}")]
     Shape(&'static str),
+    /// Bays in the outline that are deeper than their mouths are wide, and wider than splits: parts of the background's colour
+    /// may be missing.
+    #[error("bays in the outline of {0:.3} of the feather's area")]
+    Bitten(f32),
+    /// The outline is longer than it is once smoothed over a fiftieth of its extent: torn, downy, or parts of the background's
+    /// colour are missing.
+    #[error("ragged outline, {0:.2} times as long as its smoothed course")]
+    Ragged(f32),
     /// No shaft stands out from the vane.
     #[error("faint shaft: {0:.2} of the path stands out")]
     FaintRachis(f32),
+    /// The shaft found bends more sharply than shafts do.
+    #[error("the shaft found turns by {0:.0} degrees within a tenth of its length")]
+    Kink(f32),
     /// Both ends look alike.
     #[error("tip and base look alike")]
     EndsAlike,

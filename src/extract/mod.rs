@@ -8,10 +8,12 @@
 //! centre is `(0.5, 0.5)`.
 
 mod assemble;
+mod axis;
 mod background;
 mod barbs;
 mod colour;
 mod confidence;
+mod edge;
 mod error;
 mod load;
 mod loader;

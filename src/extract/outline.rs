@@ -31,6 +31,34 @@ pub(super) fn length(points: &[Vec2]) -> f32 {
     points.windows(2).map(|w| w[0].distance(w[1])).sum()
 }
 
+/// Length of a closed line of equal steps over that of its course smoothed over `share` of its extent (three moving averages,
+/// wrapped around); 1 for a smooth one.
+pub(super) fn raggedness(points: &[Vec2], share: f32) -> f32 {
+    let closed = |line: &[Vec2]| {
+        let next = line.iter().cycle().skip(1);
+        line.iter()
+            .zip(next)
+            .map(|(a, b)| a.distance(*b))
+            .sum::<f32>()
+    };
+    let total = closed(points);
+    let (mut low, mut high) = (Vec2::MAX, Vec2::MIN);
+    for p in points {
+        (low, high) = (low.min(*p), high.max(*p));
+    }
+    let n = points.len();
+    let reach = share * (high - low).max_element() / (total / n.max(1) as f32).max(1e-6);
+    let reach = (reach.round() as usize).clamp(1, n / 8 + 1);
+    let mut line = points.to_vec();
+    for _ in 0..3 {
+        let around = |i: usize| (n + i - reach..=n + i + reach).map(|k| line[k % n]);
+        line = (0..n)
+            .map(|i| around(i).sum::<Vec2>() / (2 * reach + 1) as f32)
+            .collect();
+    }
+    total / closed(&line).max(1e-6)
+}
+
 /// The polyline at `count` equal steps of arc length; a closed one does not repeat its first point.
 pub(super) fn resample(points: &[Vec2], count: usize, closed: bool) -> Vec<Vec2> {
     let Some(&first) = points.first() else {

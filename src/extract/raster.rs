@@ -94,6 +94,14 @@ impl Plane {
         self.rows(&kernel).transposed().rows(&kernel).transposed()
     }
 
+    /// Gaussian blur along the columns only, as three boxes.
+    pub fn blur_down(&self, sigma: f32) -> Self {
+        let turned = self.transposed();
+        (0..3)
+            .fold(turned, |plane, _| plane.box_rows(sigma))
+            .transposed()
+    }
+
     fn rows(&self, kernel: &[f32]) -> Self {
         let radius = kernel.len() / 2;
         let mut data = Vec::with_capacity(self.data.len());

@@ -2,7 +2,7 @@
 
 use super::{
     Confidence, Doubt, ExtractError, ExtractSettings, Extraction, Face, Progress, ScoreMap, Stage,
-    assemble,
+    assemble, axis,
     barbs::Barbs,
     load, outline, paint,
     prepare::{self, Photo},
@@ -32,7 +32,7 @@ pub fn extract(
     let mut confidence = Confidence::default();
     progress(Progress::begin(Stage::Prepare));
     progress(Progress::begin(Stage::Segment));
-    let mut cut = silhouette::silhouette(photograph, settings, &mut confidence)?;
+    let mut cut = silhouette::silhouette(photograph, settings, None, &mut confidence)?;
     progress(Progress::begin(Stage::Contour));
     let mut quill = quill_end(&cut.mask);
     if quill < 0.0 {
@@ -41,6 +41,21 @@ pub fn extract(
     }
     progress(Progress::begin(Stage::Rachis));
     let (mut map, mut shaft) = find_shaft(&cut)?;
+    if cut.slender < silhouette::SLENDER && shaft.clear < 0.5 {
+        // The outline does not say which way it lies: the clearest shaft does.
+        for turn in [0.0, 0.25, 0.5, 0.75].map(|turn| turn * std::f32::consts::PI) {
+            let mut doubts = Confidence::default();
+            let other = silhouette::silhouette(photograph, settings, Some(turn), &mut doubts)?;
+            let toward = quill_end(&other.mask);
+            let other = if toward < 0.0 { other.turned() } else { other };
+            if let Ok(found) = find_shaft(&other)
+                && found.1.clear > shaft.clear + 0.1
+            {
+                (cut, quill, confidence) = (other, toward.abs(), doubts);
+                (map, shaft) = found;
+            }
+        }
+    }
 
     progress(Progress::begin(Stage::Barbs));
     let (width, height) = (photograph.width() as f32, photograph.height() as f32);
@@ -66,6 +81,12 @@ pub fn extract(
         confidence
             .rachis
             .doubt(Doubt::FaintRachis(shaft.clear), 0.3 + 1.4 * shaft.clear);
+    }
+    if shaft.kink > 0.26 {
+        confidence.rachis.doubt(
+            Doubt::Kink(shaft.kink.to_degrees()),
+            (0.26 / shaft.kink).powi(2),
+        );
     }
     judge_shape(&cut, &mut confidence);
     let sides = match settings.face {
@@ -134,7 +155,8 @@ fn find_shaft(cut: &Silhouette) -> Result<(Score, Shaft), ExtractError> {
     let light = prepare::equalise(&cut.lab, 8, 2.5);
     let main = score::main_direction(&cut.mask);
     let map = score::score(&light, &cut.lab, &cut.mask, &main);
-    let shaft = shaft::shaft(&map).ok_or_else(|| ExtractError::NoFeather {
+    let cusp = axis::cusp(&cut.lab, &map.distance, &main);
+    let shaft = shaft::shaft(&map, &cusp).ok_or_else(|| ExtractError::NoFeather {
         reason: "no way through from end to end".to_owned(),
     })?;
     Ok((map, shaft))

@@ -78,7 +78,7 @@ pub(super) fn score(light: &Plane, lab: &Lab, mask: &GrayImage, main: &[Vec2]) -
     let unit = length / 1100.0;
     let mut best = Plane::new(width, height, 0.0);
     let mut radius = Plane::new(width, height, 0.0);
-    for sigma in [1.3, 2.0, 3.0, 4.5, 6.5].map(|s: f32| (s * unit).max(0.9)) {
+    for sigma in [1.3, 2.0, 3.0, 4.5, 6.5, 9.5].map(|s: f32| (s * unit).max(0.9)) {
         let smooth = channels.each_ref().map(|plane| plane.blur(sigma));
         let mut strength = Plane::new(width, height, 0.0);
         let mut response = Plane::new(width, height, 0.0);
@@ -130,7 +130,10 @@ pub(super) fn score(light: &Plane, lab: &Lab, mask: &GrayImage, main: &[Vec2]) -
     for (y, row) in span.iter().enumerate() {
         let Some((low, high)) = *row else { continue };
         let half = 0.5 * (high - low);
-        let bare = (1.0 - (2.0 * half / widest - 0.08) / 0.08).clamp(0.0, 1.0);
+        // Much narrower than the vanes, or as narrow as no vane is.
+        let narrow = 1.0 - (2.0 * half / widest - 0.08) / 0.08;
+        let thin = 1.0 - (2.0 * half / length - 0.02) / 0.008;
+        let bare = narrow.max(thin).clamp(0.0, 1.0);
         for x in low as usize..high as usize {
             let i = y * width + x;
             if mask.as_raw()[i] == 0 {

@@ -1,8 +1,9 @@
 //! Feather or background.
 
 use super::{
-    background::{Background, hsv_distance, shadow_colour},
+    background::{Background, distance, hsv_distance, shadow_colour},
     colour::Lab,
+    edge,
     raster::Plane,
 };
 use bevy::math::Vec2;
@@ -36,6 +37,8 @@ pub(super) struct Segment {
     pub threshold: f32,
     /// Share of the outline that lay in shadow.
     pub shadow: f32,
+    /// Area of bites into the outline that stayed, over the feather's.
+    pub bitten: f32,
 }
 
 fn mask_of(plane: &Plane, on: impl Fn(usize, f32) -> bool) -> GrayImage {
@@ -107,6 +110,75 @@ fn hysteresis(low: &GrayImage, high: &GrayImage) -> GrayImage {
         let on = seeded[labels.get_pixel(x, y)[0] as usize];
         if on { ON } else { OFF }
     })
+}
+
+/// Puts back what opening took off: a bare shaft or quill as thin as a line. Such a piece of `loose` leads away from the mask,
+/// is much longer than wide, and ends within the picture (a seam of the table does not).
+pub(super) fn with_thin_ends(kept: &GrayImage, loose: &GrayImage) -> GrayImage {
+    #[derive(Clone, Copy)]
+    struct Piece {
+        area: u32,
+        /// Pixels well away from the mask.
+        away: u32,
+        low: [u32; 2],
+        high: [u32; 2],
+        touches: bool,
+    }
+    let (width, height) = kept.dimensions();
+    let area = kept.as_raw().iter().filter(|&&m| m > 0).count() as f32;
+    let joined = morphology::close(loose, Norm::L2, 2);
+    let [grown, around] = [3, 8].map(|radius| morphology::dilate(kept, Norm::L2, radius));
+    let thin = GrayImage::from_fn(width, height, |x, y| {
+        let on = joined.get_pixel(x, y)[0] > 0 && kept.get_pixel(x, y)[0] == 0;
+        if on { ON } else { OFF }
+    });
+    let labels = connected_components(&thin, Connectivity::Eight, OFF);
+    let count = labels.as_raw().iter().copied().max().unwrap_or(0) as usize;
+    let none = Piece {
+        area: 0,
+        away: 0,
+        low: [u32::MAX; 2],
+        high: [0; 2],
+        touches: false,
+    };
+    let mut pieces = vec![none; count + 1];
+    for (x, y, label) in labels.enumerate_pixels() {
+        let piece = &mut pieces[label[0] as usize];
+        piece.area += 1;
+        piece.away += u32::from(around.get_pixel(x, y)[0] == 0);
+        piece.low = [piece.low[0].min(x), piece.low[1].min(y)];
+        piece.high = [piece.high[0].max(x), piece.high[1].max(y)];
+        piece.touches |= grown.get_pixel(x, y)[0] > 0;
+    }
+    let good: Vec<bool> = pieces
+        .iter()
+        .enumerate()
+        .map(|(i, piece)| {
+            if i == 0 || !piece.touches {
+                return false;
+            }
+            let size = [0, 1].map(|axis| (piece.high[axis] - piece.low[axis] + 1) as f32);
+            let long = size[0].hypot(size[1]);
+            let within = piece.low.iter().all(|&edge| edge > 0)
+                && piece.high[0] + 1 < width
+                && piece.high[1] + 1 < height;
+            within
+                && piece.away * 2 > piece.area
+                && long * long > 8.0 * piece.area as f32
+                && long > 0.15 * area.sqrt()
+        })
+        .collect();
+    let mut all = kept.clone();
+    for (pixel, label) in all.iter_mut().zip(labels.as_raw()) {
+        if good[*label as usize] {
+            *pixel = 255;
+        }
+    }
+    if good.iter().any(|&good| good) {
+        // Over the last gap between a piece and the mask.
+        all = largest(&morphology::close(&all, Norm::L2, 3), 1).0;
+    }
+    all
 }
 
 /// Takes soft-edged regions of the background's own hue, only darker, out of the mask. Returns how many pixels went.
@@ -218,6 +290,26 @@ pub(super) fn segment(
             0.0
         };
     }
+    // Lines are thin: what has their colour and is thick is no line.
+    if background.line.is_some() {
+        let plain = Plane::from_fn(width, height, |x, y| {
+            let i = y * width + x;
+            if inside(i) {
+                distance(lab.at(i), behind[i]).min(FAR)
+            } else {
+                0.0
+            }
+        });
+        let limit = (1.6 * background.most).max(0.06);
+        let other = mask_of(&plain, |_, value| value > limit);
+        let radius = (width.max(height) as f32 * 0.008).ceil().clamp(3.0, 12.0) as u8;
+        let thick = morphology::dilate(&morphology::open(&other, Norm::L2, radius), Norm::L2, 2);
+        for (i, value) in far.data.iter_mut().enumerate() {
+            if thick.as_raw()[i] > 0 {
+                *value = plain.data[i];
+            }
+        }
+    }
 
     // Otsu's threshold over the distances, kept clear of the background's own.
     let bytes = GrayImage::from_fn(width as u32, height as u32, |x, y| {
@@ -249,52 +341,50 @@ pub(super) fn segment(
     mask = morphology::close(&mask, Norm::L2, close);
     let least = (width * height / 4000).max(12) as u32;
     let (mut kept, area, others) = largest(&mask, least);
+    if band > 0.0 {
+        kept = with_thin_ends(&kept, &loose);
+    }
 
     // Between feather and background the outline runs half way, whatever their contrast there.
     let mut field = far.map(|value| value - low);
+    let mut bitten = 0.0;
     if band > 0.0 && area > 0 {
-        let on = Plane::from_fn(width, height, |x, y| {
-            f32::from(u8::from(kept.get_pixel(x as u32, y as u32)[0] > 0))
-        });
-        let usable = Plane::from_fn(width, height, |x, y| {
-            f32::from(u8::from(inside(y * width + x)))
-        });
-        let weigh = |a: &Plane, b: &Plane| a.zip(b, |a, b| a * b);
-        let strong = weigh(&on, &far);
-        let level_in = weigh(&strong, &far)
-            .blur(band)
-            .zip(
-                &strong.blur(band),
-                |a, b| if b > 1e-4 { a / b } else { 0.0 },
-            );
-        let off = on.zip(&usable, |on, usable| (1.0 - on) * usable);
-        let level_out = weigh(&off, &far)
-            .blur(band)
-            .zip(&off.blur(band), |a, b| if b > 1e-3 { a / b } else { 0.0 });
-        let near = on.blur(band);
-        field = Plane::from_fn(width, height, |x, y| {
-            let i = y * width + x;
-            if near.data[i] < 0.002 {
-                return -0.1;
-            }
-            let half = 0.5 * (level_in.data[i] + level_out.data[i]);
-            far.data[i] - half.clamp(low, 0.3)
-        });
+        let scene = edge::Scene {
+            lab,
+            behind: &behind,
+            far: &far,
+            usable: &Plane::from_fn(width, height, |x, y| {
+                f32::from(u8::from(inside(y * width + x)))
+            }),
+        };
+        let (edge_field, [in_shadow, likely]) = edge::field(&scene, &kept, low, band);
+        field = edge_field;
         let near_kept = morphology::dilate(&kept, Norm::L2, 3);
         let mut refined = mask_of(&field, |i, value| value > 0.0 && near_kept.as_raw()[i] > 0);
-        // Deep inside, a pattern of the background's colour is feather all the same.
+        // Deep inside, a pattern of the background's colour is feather all the same; less deep, unless it may be shadow.
         let core = morphology::erode(&kept, Norm::L2, close.max(3));
-        for (pixel, core) in refined.iter_mut().zip(core.as_raw()) {
-            *pixel |= core;
+        let deep = morphology::erode(&kept, Norm::L2, (1.5 * band) as u8);
+        for (i, pixel) in refined.iter_mut().enumerate() {
+            let inside = if likely.as_raw()[i] == 0 {
+                &core
+            } else {
+                &deep
+            };
+            if in_shadow.as_raw()[i] == 0 {
+                *pixel |= inside.as_raw()[i];
+            }
         }
+        let whole = refined.clone();
         if open > 0 {
             refined = morphology::open(&refined, Norm::L2, 1);
         }
         let (refined, refined_area, _) = largest(&refined, least);
+        let refined = with_thin_ends(&refined, &whole);
         // A refinement that loses much of the feather was misled.
         if refined_area as f32 > 0.6 * area as f32 {
             kept = refined;
         }
+        bitten = edge::fill_bites(&mut kept, &scene, background.most);
     }
     Segment {
         mask: kept,
@@ -307,6 +397,7 @@ pub(super) fn segment(
             .collect(),
         threshold: low,
         shadow,
+        bitten,
     }
 }
 

@@ -1,6 +1,10 @@
 //! The shaft: a minimum-cost path through the score map, refined below a pixel and smoothed.
 
-use super::{raster::Plane, score::Score};
+use super::{
+    axis::{self, Axis, Cusp},
+    raster::Plane,
+    score::Score,
+};
 use bevy::math::Vec2;
 use pathfinding::directed::dijkstra::dijkstra;
 
@@ -12,6 +16,12 @@ const COST: (f32, f32) = (4.0, 100.0);
 const OUTSIDE: u32 = 300;
 /// Cost of moving one column more than the row before asked for.
 const BEND: u32 = 14;
+/// Cost of being as far again from the axis as costs nothing.
+const STRAY: f32 = 8.0;
+/// Cost of being where the barbs' change of direction is as wrong as can be, halved.
+const SLOPES: f32 = 12.0;
+/// Weight of the axis in the final curve, where no ridge leads it.
+const ANCHOR: f32 = 0.015;
 
 /// The shaft in an upright view, tip at the top.
 pub(super) struct Shaft {
@@ -19,8 +29,12 @@ pub(super) struct Shaft {
     pub x: Vec<f32>,
     /// First and last row of the feather.
     pub rows: (usize, usize),
-    /// Share of the rows where it stands out.
+    /// Share of the rows where it is plainly the shaft, see [`evident`].
     pub clear: f32,
+    /// Barbs point to the top (positive) or the bottom of the view, see [`Cusp`].
+    pub upward: f32,
+    /// Sharpest turn within a tenth of its length, radians.
+    pub kink: f32,
 }
 
 /// Score of a row relative to the best around it: a shaft that fades towards the tip is still the best of its row.
@@ -104,42 +118,59 @@ pub(super) fn smooth(target: &[f32], weight: &[f32], penalty: f64) -> Vec<f32> {
     z.into_iter().map(|z| z as f32).collect()
 }
 
-/// Finds the shaft from the lowest to the highest row of the mask.
-pub(super) fn shaft(map: &Score) -> Option<Shaft> {
-    let score = &map.score;
-    let first = map.span.iter().position(Option::is_some)?;
-    let last = map.span.iter().rposition(Option::is_some)?;
-    if last < first + 8 {
-        return None;
-    }
-    let relative = relative(score);
-    let rows: Vec<usize> = (first..=last).step_by(STEP).collect();
-    let cost = |row: usize, x: i32| -> Option<u32> {
-        if x < 0 || x as usize >= score.width {
+/// Rows and columns of a score map where the shaft may run, and what each pixel costs.
+struct Costs<'a> {
+    map: &'a Score,
+    cusp: &'a Cusp,
+    relative: &'a Plane,
+    axis: &'a Axis,
+    /// Rows of the view from top to bottom, every [`STEP`]-th.
+    rows: Vec<usize>,
+    /// Distance to the axis that costs nothing, in pixels.
+    free: f32,
+}
+
+impl Costs<'_> {
+    fn at(&self, row: usize, x: i32) -> Option<u32> {
+        let y = self.rows[row];
+        if x < 0 || x as usize >= self.relative.width {
             return None;
         }
-        let i = rows[row] * score.width + x as usize;
-        if map.distance.data[i] <= 0.0 {
-            return Some(OUTSIDE);
+        let i = y * self.relative.width + x as usize;
+        let off = (x as f32 + 0.5 - self.axis.x[y]).abs() / self.free;
+        let stray = (STRAY * (off - 1.0).max(0.0).powi(2)).min(2.0 * COST.1);
+        if self.map.distance.data[i] <= 0.0 {
+            return Some(OUTSIDE + stray as u32);
         }
-        let rest = 1.0 - relative.data[i];
-        Some((COST.0 + (COST.1 - COST.0) * rest * rest) as u32)
+        let rest = 1.0 - self.relative.data[i];
+        let slopes = SLOPES * (1.0 - self.cusp.map.data[i].clamp(-1.0, 1.0));
+        Some((COST.0 + (COST.1 - COST.0) * rest * rest + slopes + stray) as u32)
+    }
+}
+
+/// Finds the shaft: along the axis from where that enters the mask to where it leaves it.
+pub(super) fn shaft(map: &Score, cusp: &Cusp) -> Option<Shaft> {
+    let score = &map.score;
+    let axis = axis::axis(map, cusp)?;
+    let (first, last) = axis.rows;
+    let relative = relative(score);
+    let costs = Costs {
+        map,
+        cusp,
+        relative: &relative,
+        axis: &axis,
+        rows: (first..=last).step_by(STEP).collect(),
+        free: 0.006 * (last - first) as f32 + 1.0,
     };
-    // From the quill (any pixel of the mask in the lowest row, the middle at the least cost) up, row by row, so that the curve
-    // is a function of the height; a node is (row, column, last move).
+    let rows = &costs.rows;
+    // Up from the quill row by row, so that the curve is a function of the height; a node is (row, column, last move).
     type Node = (i32, i32, i8);
     let top = rows.len() as i32 - 1;
     let start: Node = (top + 1, 0, 0);
-    let middle_low = map.span[rows[top as usize]].unwrap_or((0.0, score.width as f32));
     let successors = |&(row, x, slant): &Node| -> Vec<(Node, u32)> {
         if row > top {
-            let (a, b) = middle_low;
-            let centre = 0.5 * (a + b);
-            return (a as i32..b.ceil() as i32)
-                .filter_map(|x| {
-                    let off = (x as f32 + 0.5 - centre).abs() * 20.0;
-                    Some(((top, x, 0), cost(top as usize, x)? + off as u32))
-                })
+            return (0..score.width as i32)
+                .filter_map(|x| Some(((top, x, 0), costs.at(top as usize, x)?)))
                 .collect();
         }
         (-2i8..=2)
@@ -148,7 +179,7 @@ pub(super) fn shaft(map: &Score) -> Option<Shaft> {
                 let bend = u32::from(slant_next.abs_diff(slant)) * BEND
                     + u32::from(slant_next.unsigned_abs()) * 4;
                 let row = row - 1;
-                Some(((row, x, slant_next), cost(row as usize, x)? + bend))
+                Some(((row, x, slant_next), costs.at(row as usize, x)? + bend))
             })
             .collect()
     };
@@ -169,7 +200,6 @@ pub(super) fn shaft(map: &Score) -> Option<Shaft> {
 
     // Peaks of the score near the curve, below a pixel; alternately smoothed.
     let soft = score.blur(0.8);
-    let mut clear = 0.0;
     for round in 0..4 {
         let reach = [5, 4, 3, 2][round] as f32 * (length as f32 / 1100.0).max(0.6);
         let mut target = x.clone();
@@ -194,17 +224,57 @@ pub(super) fn shaft(map: &Score) -> Option<Shaft> {
             target[i] = x[i] + best + part;
             weight[i] = relative.sample(Vec2::new(target[i], y as f32 + 0.5)) * b.max(0.02);
         }
-        clear = weight.iter().filter(|&&w| w > 0.12).count() as f32 / weight.len() as f32;
         // Stiffness: bends shorter than about a tenth of the feather are noise.
         let scale = (length / [14.0, 16.0, 18.0, 20.0][round] / std::f64::consts::TAU).powi(4);
         let mean = weight.iter().sum::<f32>() / weight.len() as f32;
+        for (i, y) in (first..=last).enumerate() {
+            let both = weight[i] + ANCHOR;
+            target[i] = (target[i] * weight[i] + axis.x[y] * ANCHOR) / both;
+            weight[i] = both;
+        }
         x = smooth(&target, &weight, scale * f64::from(mean.max(0.01)));
     }
+    let clear = evident(&soft, cusp, &x, first);
+    let kink = kink(&x);
     Some(Shaft {
         x,
         rows: (first, last),
         clear,
+        upward: cusp.upward,
+        kink,
     })
+}
+
+/// Share of the rows in which the curve `x` is plainly the shaft: on a ridge that has no rival in its row, or where the barbs
+/// change direction.
+fn evident(score: &Plane, cusp: &Cusp, x: &[f32], first: usize) -> f32 {
+    let near = 0.012 * x.len() as f32 + 2.0;
+    let rows = x.iter().enumerate().filter(|&(i, &x)| {
+        let y = first + i;
+        let row = y * score.width..(y + 1) * score.width;
+        let (mut own, mut rival) = (0.0f32, 0.0f32);
+        for (column, &value) in score.data[row.clone()].iter().enumerate() {
+            let off = (column as f32 + 0.5 - x).abs();
+            if off < near {
+                own = own.max(value);
+            } else if off > 1.5 * near {
+                rival = rival.max(value);
+            }
+        }
+        let parted = cusp.map.sample(Vec2::new(x, y as f32 + 0.5));
+        let most = cusp.map.data[row].iter().copied().fold(0.0, f32::max);
+        (own > 0.06 && own > 1.25 * rival) || (parted > 0.2 && parted > 0.85 * most)
+    });
+    rows.count() as f32 / x.len().max(1) as f32
+}
+
+/// Largest turn of the curve within a tenth of its length, in radians.
+fn kink(x: &[f32]) -> f32 {
+    let reach = x.len() / 20;
+    let slant = |a: usize, b: usize| ((x[b] - x[a]) / (b - a).max(1) as f32).atan();
+    (reach..x.len().saturating_sub(reach))
+        .map(|i| (slant(i, i + reach) - slant(i - reach, i)).abs())
+        .fold(0.0, f32::max)
 }
 
 impl Shaft {

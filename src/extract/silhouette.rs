@@ -7,7 +7,7 @@ use super::{
     outline,
     prepare::{Photo, View, denoise},
     raster::Plane,
-    segment::{Segment, bodies, largest, segment},
+    segment::{Segment, bodies, largest, segment, with_thin_ends},
 };
 use bevy::math::Vec2;
 use image::{DynamicImage, GrayImage, Luma, RgbaImage};
@@ -19,6 +19,12 @@ const OVERVIEW: f32 = 800.0;
 const OVERVIEW_OPEN: u8 = 2;
 /// Points of the refined outline, at most.
 const OUTLINE_POINTS: usize = 4096;
+
+/// A closed vane's outline is at most this much longer than its smoothed course.
+const RAGGED: f32 = 1.12;
+
+/// A feather more slender than this lies along the main direction of its outline.
+pub(super) const SLENDER: f32 = 2.2;
 
 /// The feather upright (its main direction along y), cut out.
 pub(super) struct Silhouette {
@@ -34,6 +40,8 @@ pub(super) struct Silhouette {
     pub field: Plane,
     /// Distance of each pixel's colour to the background's.
     pub far: Plane,
+    /// Extent along the main direction over that across it.
+    pub slender: f32,
 }
 
 impl Silhouette {
@@ -91,6 +99,7 @@ fn alpha_segment(image: &RgbaImage) -> Segment {
             .collect(),
         threshold: 0.5,
         shadow: 0.0,
+        bitten: 0.0,
     }
 }
 
@@ -196,11 +205,8 @@ fn stripes(light: &Plane, mask: &GrayImage, middle: Vec2) -> Vec<(Vec2, Vec2, f3
 
 /// Direction of the feather. A long one lies along the main direction of its mask; for one nearly as wide as long, the axis
 /// about which outline and barbs are best mirrored says more.
-fn direction(mask: &GrayImage, light: &Plane) -> Vec2 {
-    let Some((middle, main, slender)) = principal(mask) else {
-        return Vec2::Y;
-    };
-    if slender > 2.2 {
+fn direction(mask: &GrayImage, light: &Plane, (middle, main, slender): (Vec2, Vec2, f32)) -> Vec2 {
+    if slender > SLENDER {
         return main;
     }
     let step = (mask.width() * mask.height() / 60_000).max(1) as usize;
@@ -238,10 +244,12 @@ fn direction(mask: &GrayImage, light: &Plane) -> Vec2 {
         .map_or(main, |(_, axis)| axis)
 }
 
-/// Finds the feather, turns the view upright and cuts it out anew at the resolution asked for.
+/// Finds the feather, turns the view upright and cuts it out anew at the resolution asked for. `turn` is the angle from the main
+/// direction of its outline to that of the view; without it the view takes the likeliest.
 pub(super) fn silhouette(
     photograph: &DynamicImage,
     settings: &ExtractSettings,
+    turn: Option<f32>,
     confidence: &mut Confidence,
 ) -> Result<Silhouette, ExtractError> {
     let size = Vec2::new(photograph.width() as f32, photograph.height() as f32);
@@ -289,11 +297,17 @@ pub(super) fn silhouette(
     }
 
     // Upright view around what was found.
-    let along = direction(&found.mask, &Lab::of(&image).planes[0]);
+    let silhouette = with_thin_ends(&found.mask, &found.loose);
+    let lie = principal(&silhouette).unwrap_or((Vec2::ZERO, Vec2::Y, 1.0));
+    let slender = lie.2;
+    let along = match turn {
+        Some(turn) => Vec2::from_angle(turn).rotate(lie.1),
+        None => direction(&silhouette, &Lab::of(&image).planes[0], lie),
+    };
     // The view's x axis; its y axis is then `along`, which shall point down the screen.
     let along = if along.y < 0.0 { -along } else { along };
     let axis = -along.perp();
-    let corners: Vec<Vec2> = outline::border(&found.mask)
+    let corners: Vec<Vec2> = outline::border(&silhouette)
         .into_iter()
         .map(|p| whole.photo(p))
         .collect();
@@ -364,6 +378,7 @@ pub(super) fn silhouette(
         outline,
         field: cut.field,
         far: cut.far,
+        slender,
     })
 }
 
@@ -372,7 +387,7 @@ fn judge(
     cut: &Segment,
     view: &View,
     size: Vec2,
-    outline: &[Vec2],
+    outline_points: &[Vec2],
     background: Option<&Background>,
     long: f32,
     confidence: &mut Confidence,
@@ -397,15 +412,24 @@ fn judge(
             trust.doubt(Doubt::Shadow(cut.shadow), 1.0 - cut.shadow.min(0.6));
         }
     }
+    if cut.bitten > 0.004 {
+        let factor = 1.0 / (1.0 + 30.0 * cut.bitten);
+        trust.doubt(Doubt::Bitten(cut.bitten), factor);
+    }
+    let ragged = outline::raggedness(outline_points, 0.02);
+    if ragged > RAGGED {
+        trust.doubt(Doubt::Ragged(ragged), (RAGGED / ragged).powi(8).max(0.3));
+    }
     let margin = 1.5 * view.scale.max(1.0);
-    let touching = outline
+    let touching = outline_points
         .iter()
         .filter(|p| {
             let p = view.photo(**p);
             p.min(size - p).min_element() < margin
         })
         .count();
-    let cut_length = touching as f32 * super::outline::length(outline) / outline.len() as f32
+    let cut_length = touching as f32 * outline::length(outline_points)
+        / outline_points.len() as f32
         * view.scale
         / long.max(1.0);
     if cut_length > 0.005 {

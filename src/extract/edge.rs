@@ -1,0 +1,230 @@
+//! The outline's own neighbourhood: where exactly feather ends and background begins, and what was bitten out of it.
+
+use super::{
+    background::{difference, shadow_colour},
+    colour::Lab,
+    raster::{Plane, median},
+};
+use bevy::math::Vec3;
+use image::{GrayImage, Luma};
+use imageproc::{
+    distance_transform::Norm,
+    morphology,
+    region_labelling::{Connectivity, connected_components},
+};
+
+/// Parts of the feather narrower than this share of its length are bare shaft.
+const THIN: f32 = 0.025;
+/// Widest mouth of a bite over the feather's length, and over its mean width, halved.
+const MOUTH: (f32, f32) = (0.05, 0.25);
+/// A split is narrower than this share of the length, halved.
+const SPLIT: f32 = 0.009;
+
+/// A picture and the background behind it.
+pub(super) struct Scene<'a> {
+    pub lab: &'a Lab,
+    /// The background's colour behind each pixel.
+    pub behind: &'a [[f32; 3]],
+    /// Distance of each pixel's colour to it.
+    pub far: &'a Plane,
+    /// 1 within the photograph.
+    pub usable: &'a Plane,
+}
+
+fn on(mask: &GrayImage) -> Plane {
+    Plane {
+        width: mask.width() as usize,
+        height: mask.height() as usize,
+        data: mask.iter().map(|&m| f32::from(u8::from(m > 0))).collect(),
+    }
+}
+
+/// Radius in pixels for a share of a mask's length (its longer side), 1..60.
+fn radius(mask: &GrayImage, share: f32) -> u8 {
+    let long = mask.width().max(mask.height()) as f32;
+    (share * long).round().clamp(1.0, 60.0) as u8
+}
+
+/// Positive on the feather, 0 where the colour is half way between feather and background as they are within `band` pixels.
+/// Where the feather near the outline has one colour, only the difference towards that colour counts: a shadow on the other side
+/// of the background's lightness is then background. `low` is the least distance that is no noise. The masks are where shadows
+/// are found out thus: surely, and likely.
+pub(super) fn field(
+    scene: &Scene,
+    kept: &GrayImage,
+    low: f32,
+    band: f32,
+) -> (Plane, [GrayImage; 2]) {
+    let far = scene.far;
+    let on = on(kept);
+    let shaft = radius(kept, 0.5 * THIN);
+    let thick = morphology::open(kept, Norm::L2, shaft);
+    let thick = morphology::dilate(&thick, Norm::L2, 2);
+    let times = |a: &Plane, b: &Plane| a.zip(b, |a, b| a * b);
+    let ratio =
+        |a: &Plane, b: &Plane, least: f32| a.zip(b, |a, b| if b > least { a / b } else { 0.0 });
+    // Strong differences have the vote. A bare shaft has one colour: there shadows have none, and as blur takes more off a thin
+    // line's flanks than off its ridge, the ridge counts.
+    let mut weight = times(&on, far);
+    let differences: Vec<Vec3> = (0..far.data.len())
+        .map(|i| difference(scene.lab.at(i), scene.behind[i]))
+        .collect();
+    // What may be shadow has little say on the vane, too, where anything else is near.
+    for (i, weight) in weight.data.iter_mut().enumerate() {
+        if *weight > 0.0 {
+            let dark = shadow_colour(scene.lab.at(i), scene.behind[i]);
+            if thick.as_raw()[i] == 0 {
+                *weight *= (far.data[i] / 0.1).powi(5).min(1e4);
+                *weight *= if dark { 1e-3 } else { 1.0 };
+            } else if dark {
+                *weight *= 0.1;
+            }
+        }
+    }
+    let sum = weight.blur(band);
+    let mean_far = ratio(&times(&weight, far).blur(band), &sum, 1e-7);
+    let mean = [0, 1, 2].map(|c| {
+        let part = Plane {
+            data: weight
+                .data
+                .iter()
+                .zip(&differences)
+                .map(|(w, d)| w * d[c])
+                .collect(),
+            ..*far
+        };
+        ratio(&part.blur(band), &sum, 1e-7)
+    });
+    let towards = Plane::from_fn(far.width, far.height, |x, y| {
+        let i = y * far.width + x;
+        let mean = Vec3::new(mean[0].data[i], mean[1].data[i], mean[2].data[i]);
+        let agree = mean.length() / mean_far.data[i].max(1e-6);
+        let trust = ((agree - 0.8) / 0.15).clamp(0.0, 1.0);
+        let cosine = differences[i]
+            .normalize_or_zero()
+            .dot(mean.normalize_or_zero());
+        far.data[i] * (1.0 - trust + trust * cosine)
+    });
+    let off = on.zip(scene.usable, |on, usable| (1.0 - on) * usable);
+    let outside = ratio(&times(&off, &towards).blur(band), &off.blur(band), 1e-3);
+    let near = on.blur(band);
+    let field = Plane::from_fn(far.width, far.height, |x, y| {
+        let i = y * far.width + x;
+        if near.data[i] < 0.002 {
+            return -0.1;
+        }
+        let half = 0.5 * (mean_far.data[i] + outside.data[i]);
+        towards.data[i] - half.clamp(low, 0.3)
+    });
+    let shadow = |value: &Plane| {
+        GrayImage::from_fn(kept.width(), kept.height(), |x, y| {
+            let i = y as usize * far.width + x as usize;
+            let dark = value.data[i] < 0.0 && shadow_colour(scene.lab.at(i), scene.behind[i]);
+            Luma([if dark { 255 } else { 0 }])
+        })
+    };
+    // A bare shaft and the foot of a vane may be as narrow as their own half shadow: there the mask holds them together.
+    let vane = morphology::open(kept, Norm::L2, shaft.saturating_mul(2));
+    let mut likely = morphology::close(&shadow(&field), Norm::L2, 2);
+    for (pixel, vane) in likely.iter_mut().zip(vane.iter()) {
+        *pixel &= vane;
+    }
+    let shadows = [shadow(&towards), likely];
+    (field, shadows)
+}
+
+/// Fills bays of the outline that differ from the background on the whole, though not pixel by pixel: bars and spots of nearly
+/// its colour. Returns the area, over the feather's, of the bays left that are deep and wider than splits.
+pub(super) fn fill_bites(kept: &mut GrayImage, scene: &Scene, noise: f32) -> f32 {
+    let (width, height) = kept.dimensions();
+    let area = kept.iter().filter(|&&m| m > 0).count().max(1) as f32;
+    let wide = area / (width.max(height) as f32).powi(2);
+    let mouth = radius(kept, MOUTH.0.min(MOUTH.1 * wide));
+    let split = radius(kept, SPLIT);
+    let closed = morphology::close(kept, Norm::L2, mouth);
+    let mut bays = GrayImage::from_fn(width, height, |x, y| {
+        let usable = scene.usable.data[(y * width + x) as usize] > 0.0;
+        let inner = usable && closed.get_pixel(x, y)[0] > 0 && kept.get_pixel(x, y)[0] == 0;
+        Luma([if inner { 255 } else { 0 }])
+    });
+    bays = morphology::open(&bays, Norm::L2, split);
+    let labels = connected_components(&bays, Connectivity::Four, Luma([0]));
+    let count = labels.iter().copied().max().unwrap_or(0) as usize;
+    #[derive(Clone, Default)]
+    struct Bay {
+        area: u32,
+        /// Border pixels, and those towards the open.
+        rim: u32,
+        mouth: u32,
+        low: [u32; 2],
+        high: [u32; 2],
+        colours: [Vec<f32>; 3],
+    }
+    let mut found = vec![Bay::default(); count + 1];
+    for y in 1..height.saturating_sub(1) {
+        for x in 1..width.saturating_sub(1) {
+            let label = labels.get_pixel(x, y)[0] as usize;
+            if label == 0 {
+                continue;
+            }
+            let i = (y * width + x) as usize;
+            let bay = &mut found[label];
+            if bay.area == 0 {
+                bay.low = [x, y];
+            }
+            bay.area += 1;
+            bay.low = [bay.low[0].min(x), bay.low[1].min(y)];
+            bay.high = [bay.high[0].max(x), bay.high[1].max(y)];
+            let beside = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
+            let open = |&(x, y): &(u32, u32)| closed.get_pixel(x, y)[0] == 0;
+            let edge = |&(x, y): &(u32, u32)| labels.get_pixel(x, y)[0] == 0;
+            bay.rim += u32::from(beside.iter().any(edge));
+            bay.mouth += u32::from(beside.iter().any(open));
+            let d = difference(scene.lab.at(i), scene.behind[i]);
+            for (c, colours) in bay.colours.iter_mut().enumerate() {
+                colours.push(d[c]);
+            }
+        }
+    }
+    let mut left = 0.0;
+    for (label, bay) in found.iter_mut().enumerate().skip(1) {
+        if bay.area == 0 {
+            continue;
+        }
+        let share = bay.mouth as f32 / bay.rim.max(1) as f32;
+        // The background beside the bay, beyond its mouth.
+        let reach = u32::from(mouth) * 2;
+        let mut around: [Vec<f32>; 3] = Default::default();
+        for y in bay.low[1].saturating_sub(reach)..(bay.high[1] + reach).min(height) {
+            for x in bay.low[0].saturating_sub(reach)..(bay.high[0] + reach).min(width) {
+                let i = (y * width + x) as usize;
+                let free = closed.get_pixel(x, y)[0] == 0 && scene.usable.data[i] > 0.0;
+                if free && (x + y) % 3 == 0 {
+                    let d = difference(scene.lab.at(i), scene.behind[i]);
+                    for (c, colours) in around.iter_mut().enumerate() {
+                        colours.push(d[c]);
+                    }
+                }
+            }
+        }
+        if around[0].len() < 30 {
+            continue;
+        }
+        let middle = |values: &mut [Vec<f32>; 3]| {
+            Vec3::from_array(values.each_mut().map(|values| median(values)))
+        };
+        let off = middle(&mut bay.colours) - middle(&mut around);
+        // Darker and of the same hue is what a shadow is.
+        let shadow = off.x < 0.0 && off.y.hypot(off.z) < 0.4 * -off.x;
+        if share < if shadow { 0.17 } else { 0.3 } && off.length() > (0.35 * noise).max(0.012) {
+            for (pixel, own) in kept.iter_mut().zip(labels.iter()) {
+                if *own as usize == label {
+                    *pixel = 255;
+                }
+            }
+        } else if share < 0.17 {
+            left += bay.area as f32 / area;
+        }
+    }
+    left
+}
