@@ -4,6 +4,7 @@ mod helper;
 
 use bevy::prelude::*;
 use bevy_plumage::inspector::PlumageInspectorPlugin;
+use clap::Parser;
 use helper::{
     Args,
     camera::{Framing, Shots},
@@ -12,6 +13,7 @@ use helper::{
 
 fn main() {
     helper::run("inspector", |app| {
+        let assets = Args::parse().assets;
         let shot = |offset: Vec3| Framing {
             target: Vec3::new(0.0, 0.0, 0.0),
             eye: offset,
@@ -26,7 +28,7 @@ fn main() {
             far: shot(Vec3::new(3.9, 1.1, 5.2)),
         })
         .add_plugins(PlumageInspectorPlugin {
-            assets: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(),
+            assets,
         })
         .add_systems(Startup, setup);
     });

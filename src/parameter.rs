@@ -38,7 +38,7 @@ impl Parameter {
         Self::new("\u{b0}", low, high)
     }
 
-    /// With a slider of equal ratios, for a range of several decades; `low` must be above 0.
+    /// With a slider of equal ratios, for a range of several decades; `low` must be above 0 (a count may start at 0).
     pub const fn logarithmic(self) -> Self {
         Self {
             logarithmic: true,

@@ -6,7 +6,7 @@ use bevy_plumage::{
     anatomy::{Feather, presets},
     inspector::{
         Command, Document, FeatherPanel, Fields, GroomPanel, Sample, Session, Statistics, Toolbar,
-        feather_panel, groom_panel, quality_panel, statistics_panel, toolbar,
+        feather_panel, groom_panel, plumage_panel, quality_panel, statistics_panel, toolbar,
     },
     prelude::*,
 };
@@ -123,10 +123,8 @@ fn grooms_quality_and_statistics_draw() {
     let mut harness = Harness::builder().with_size(SIZE).build_ui(move |ui| {
         let changed = groom_panel(ui, &fields, &mut panel, &mut seen.borrow_mut());
         assert!(!changed, "drawing changed the groom");
-        assert_eq!(
-            quality_panel(ui, &fields, &mut quality, &mut plumage),
-            (false, false)
-        );
+        assert!(!quality_panel(ui, &fields, &mut quality));
+        assert!(!plumage_panel(ui, &mut plumage, &PlumageState::default()));
         statistics_panel(ui, &statistics);
         count.set(count.get() + 1);
     });
@@ -155,7 +153,7 @@ fn the_bar_asks_for_what_is_clicked() {
     let state = (Toolbar::default(), document, Vec::<Command>::new());
     let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
         |ui, (bar, document, asked)| {
-            asked.extend(toolbar(ui, bar, document, true));
+            asked.extend(toolbar(ui, bar, document, Some("preset")));
         },
         state,
     );
@@ -190,7 +188,7 @@ fn a_malformed_file_shows_its_error_and_changes_nothing() {
         |ui, session: &mut Session<Feather>| {
             let id = bevy::asset::AssetId::<Feather>::invalid();
             let document = session.get(id).unwrap().clone();
-            toolbar(ui, &mut session.toolbar, &document, true);
+            toolbar(ui, &mut session.toolbar, &document, None);
         },
         session,
     );

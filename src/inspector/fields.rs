@@ -20,6 +20,9 @@ use bevy_inspector_egui::{
 };
 use std::any::Any;
 
+/// Width of the column of names in points.
+const NAMES: f32 = 128.0;
+
 /// Types that the panels show, with a [`Parameter`] as the option of every field that has one.
 pub struct Fields(TypeRegistry);
 
@@ -74,22 +77,39 @@ impl Fields {
         let options = field
             .get_attribute::<Parameter>()
             .map_or(none, |p| p as &dyn Any);
-        ui.horizontal(|ui| {
-            let label = ui.label(name);
-            if let Some(docs) = field.docs() {
-                label.on_hover_text(docs.trim());
-            }
+        row(ui, name, field.docs().unwrap_or_default().trim(), |ui| {
             let mut context = Context::default();
             InspectorUi::new(&self.0, &mut context, Some(leaf), None, None)
                 .ui_for_reflect_with_options(inner, ui, egui::Id::new(name), options)
         })
-        .inner
     }
 
     /// The registry of the types shown.
     pub fn registry(&self) -> &TypeRegistry {
         &self.0
     }
+}
+
+/// A row of a panel: the name, in a column as wide as all others, then what the value is edited with.
+pub fn row<R>(
+    ui: &mut egui::Ui,
+    name: &str,
+    hint: &str,
+    widget: impl FnOnce(&mut egui::Ui) -> R,
+) -> R {
+    ui.horizontal(|ui| {
+        let start = ui.cursor().left();
+        let label = ui.label(name);
+        if !hint.is_empty() {
+            label.on_hover_text(hint);
+        }
+        let rest = NAMES - (ui.cursor().left() - start);
+        if rest > 0.0 {
+            ui.add_space(rest);
+        }
+        widget(ui)
+    })
+    .inner
 }
 
 /// The parameters of a type's fields, as `bevy-inspector-egui` hands them to the widgets.
@@ -146,6 +166,23 @@ fn leaf(
     if let Some(number) = value.downcast_mut::<u8>() {
         return Some(self::number(ui, number, parameter));
     }
+    if let Some((along, across)) = value.downcast_mut::<(u8, u8)>() {
+        // Only the segments of a card are such a pair.
+        let count = |ui: &mut egui::Ui, value, most| {
+            ui.add(egui::DragValue::new(value).range(1..=most).speed(0.1))
+                .changed()
+        };
+        return Some(
+            ui.horizontal(|ui| {
+                let first = count(ui, along, 64);
+                ui.label("along,");
+                let second = count(ui, across, 16);
+                ui.label("across");
+                first | second
+            })
+            .inner,
+        );
+    }
     if let Some(span) = value.downcast_mut::<Span>() {
         return Some(
             ui.horizontal(|ui| {
@@ -191,8 +228,11 @@ fn drag<N: egui::emath::Numeric>(
     parameter: Option<Parameter>,
 ) -> bool {
     // A drag of a hundred points doubles a value.
-    let speed = (value.to_f64() * 0.01).abs().max(1.0e-3);
-    let mut widget = egui::DragValue::new(value).max_decimals(4).speed(speed);
+    let (least, decimals) = if N::INTEGRAL { (0.1, 0) } else { (1.0e-3, 4) };
+    let speed = (value.to_f64() * 0.01).abs().max(least);
+    let mut widget = egui::DragValue::new(value)
+        .max_decimals(decimals)
+        .speed(speed);
     if let Some(parameter) = parameter {
         widget = widget
             .range(N::from_f64(parameter.low)..=N::from_f64(parameter.high))

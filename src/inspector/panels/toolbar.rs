@@ -22,12 +22,12 @@ pub struct Toolbar {
     pub message: Option<Result<String, String>>,
 }
 
-/// Draws the bar; what was asked for, if anything.
+/// Draws the bar; what was asked for, if anything. `reset` says what "Reset" goes back to, if it can.
 pub fn toolbar<T: Editable>(
     ui: &mut egui::Ui,
     bar: &mut Toolbar,
     document: &Document<T>,
-    can_reset: bool,
+    reset: Option<&str>,
 ) -> Option<Command> {
     let mut command = None;
     let (back, forth) = document.depth();
@@ -57,9 +57,9 @@ pub fn toolbar<T: Editable>(
         );
         button(
             ui,
-            can_reset,
+            reset.is_some(),
             "Reset",
-            "Back to the preset of this name".into(),
+            reset.unwrap_or_default().into(),
             Command::Reset,
         );
         let hint = "Hold C: the state last saved";
