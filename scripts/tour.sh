@@ -102,7 +102,7 @@ picture() { # NAME: the window as it is, in few colours
 start() {
     : > "$work/app.log"
     WINIT_X11_SCALE_FACTOR=$scale XDG_RUNTIME_DIR=$work "$example" --assets "$work/assets" \
-        --size "$((1280 * scale))x$((720 * scale))" --time 0 --density 0.3 --lean --distance 1.5 \
+        --size "$((1280 * scale))x$((720 * scale))" --time 0 --density 0.3 --lean \
         >> "$work/app.log" 2>&1 &
     app=$!
     for _ in $(seq 1 3000); do

@@ -41,6 +41,22 @@ fn positions(mesh: &Mesh) -> Vec<Vec3> {
     values.iter().map(|p| Vec3::from_array(*p)).collect()
 }
 
+/// A guide from head to tail, this many degrees from the bird's back.
+fn tailwards(place: Transform) -> impl Fn(f32) -> Guide {
+    move |degrees| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let points = [0.8_f32, 0.4, 0.0, -0.4, -0.8].map(|z| {
+            let unit = Vec3::new(sin, cos, 0.0) * (1.0 - z * z).sqrt() + Vec3::Z * z;
+            (place.transform_point(unit * HALF) * 1000.0).to_array()
+        });
+        Guide {
+            points: points.to_vec(),
+            mirror: false,
+            regions: Vec::new(),
+        }
+    }
+}
+
 /// Mean angle in degrees between the feathers near `place` and `lay`.
 fn away(coat: &Coat, place: Vec3, lay: Vec3) -> f32 {
     let near: Vec<f32> = coat
@@ -72,7 +88,7 @@ fn a_stroke_lays_the_feathers_of_both_sides() {
             .collect();
         let guide = guide_through(&stroke).unwrap();
         let mut both = Groom {
-            guides: Vec::new(),
+            guides: [20.0, 160.0, 200.0, 340.0].map(tailwards(place)).to_vec(),
             rows: Vec::new(),
             regions: vec![region("all", Select::All, 900, 0.0)],
             ..groom()
@@ -81,8 +97,8 @@ fn a_stroke_lays_the_feathers_of_both_sides() {
         let in_mm = plane.scaled(1000.0);
         add_guide(&mut both, guide.clone(), Some((in_mm, 0.5)));
         add_guide(&mut one, guide, None);
-        assert_eq!(both.guides[0].mirror, flagged);
-        assert_eq!(both.guides.len(), if flagged { 1 } else { 2 });
+        assert_eq!(both.guides[4].mirror, flagged);
+        assert_eq!(both.guides.len(), if flagged { 5 } else { 6 });
         let (both_coat, one_coat) = (
             groom_bird(&bird, &both, 3, 1.0).unwrap(),
             groom_bird(&bird, &one, 3, 1.0).unwrap(),
@@ -102,12 +118,12 @@ fn a_stroke_lays_the_feathers_of_both_sides() {
         );
 
         // Moving a point from either side moves its image too.
-        let point = both.guides[0].points[3].into();
+        let point = both.guides[4].points[3].into();
         let (from, to) = (in_mm.image(point), in_mm.image(point + Vec3::Y));
         let grab = nearest_guide_point(&both, from, 0.1).unwrap();
         assert_eq!(grab.image, flagged);
         move_point(&mut both, grab, to, Some((in_mm, 0.5)));
-        let now = Vec3::from_array(both.guides[0].points[3]);
+        let now = Vec3::from_array(both.guides[4].points[3]);
         assert!(now.distance(point + Vec3::Y) < 0.5, "{now} {point}");
         let there = nearest_guide_point(&both, to, 0.1).unwrap();
         assert_eq!((there.point, there.image), (3, flagged));

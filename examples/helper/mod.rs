@@ -199,7 +199,7 @@ pub struct Args {
     /// Folder of the assets, with `birds`, `grooms` and `feathers` in it.
     #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/assets"))]
     pub assets: PathBuf,
-    /// Without shadows, for slow machines.
+    /// For slow machines: without shadows; `inspector` also draws the bird in fewer pixels, and only when something has changed.
     #[arg(long)]
     pub lean: bool,
     /// Camera distance relative to the shot's own.
@@ -273,7 +273,7 @@ pub fn run(name: &'static str, scene: fn(&mut App)) {
             ..default()
         })
         .set(RenderPlugin {
-            synchronous_pipeline_compilation: off_screen,
+            synchronous_pipeline_compilation: off_screen || args.lean,
             ..default()
         })
         .set(WindowPlugin {

@@ -54,7 +54,7 @@ use bevy::{
     asset::io::file::FileAssetReader,
     core_pipeline::{Core3d, Core3dSystems},
     prelude::*,
-    render::RenderApp,
+    render::{Render, RenderApp, RenderSystems},
 };
 use bevy_egui::{EguiPlugin, EguiPrimaryContextPass, render::egui_pass};
 use std::path::PathBuf;
@@ -75,6 +75,10 @@ impl Default for PlumageInspectorPlugin {
     }
 }
 
+/// What draws the panels, in `EguiPrimaryContextPass`.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct InspectorSystems;
+
 impl Plugin for PlumageInspectorPlugin {
     fn build(&self, app: &mut App) {
         if !app.is_plugin_added::<EguiPlugin>() {
@@ -94,11 +98,18 @@ impl Plugin for PlumageInspectorPlugin {
             )
             .add_systems(
                 EguiPrimaryContextPass,
-                (draw::draw, overlay::draw_overlay).chain(),
+                (draw::draw, overlay::draw_overlay)
+                    .chain()
+                    .in_set(InspectorSystems),
             );
         #[cfg(feature = "extract")]
         app.add_systems(Update, photo::follow_photos);
+        let compiling = preview::Compiling::default();
+        app.insert_resource(compiling.clone());
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+            render_app
+                .insert_resource(compiling)
+                .add_systems(Render, preview::watch_pipelines.in_set(RenderSystems::Cleanup));
             // Without its `bevy_ui` feature bevy_egui leaves its pass and tone mapping in no order, and cameras with HDR lose
             // the panels.
             let between = (|| {}).after(Core3dSystems::PostProcess).before(egui_pass);

@@ -19,10 +19,16 @@ use bevy::{
     },
     mesh::{Indices, PrimitiveTopology},
     prelude::*,
-    render::render_resource::TextureFormat,
+    render::render_resource::{PipelineCache, TextureFormat},
 };
 use bevy_egui::{EguiContexts, EguiTextureHandle, PrimaryEguiContext, egui};
-use std::time::Duration;
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Duration,
+};
 
 /// The layer that only the preview's camera and light see.
 const LAYER: usize = 30;
@@ -58,8 +64,18 @@ pub struct Preview {
 /// What the card of the preview was made for: feather, its aspect, and the colour that the bird gives it.
 type Shown = (AssetId<Feather>, f32, [f32; 3]);
 
-/// Frames and time that the picture is drawn after a change: uploads and pipelines take a while.
-const AWAKE: (u32, Duration) = (8, Duration::from_secs(2));
+/// Frames and time that the picture is drawn after a change, and after the last pipeline has been compiled.
+const AWAKE: (u32, Duration) = (4, Duration::from_millis(500));
+
+/// Whether the renderer waits for pipelines; the render world writes it.
+#[derive(Resource, Clone, Debug, Default)]
+pub(super) struct Compiling(Arc<AtomicBool>);
+
+/// Tells the main world about pipelines under way.
+pub(super) fn watch_pipelines(cache: Res<PipelineCache>, compiling: Res<Compiling>) {
+    let waiting = cache.waiting_pipelines().next().is_some();
+    compiling.0.store(waiting, Ordering::Relaxed);
+}
 
 impl Default for Preview {
     fn default() -> Self {
@@ -295,6 +311,7 @@ pub(super) fn update_preview(
     mut preview: ResMut<Preview>,
     inspector: Res<Inspector>,
     time: Res<Time<Real>>,
+    compiling: Res<Compiling>,
     mut events: MessageReader<AssetEvent<Feather>>,
     worn: Query<&PlumageCards, Without<PreviewCard>>,
     server: Res<AssetServer>,
@@ -324,7 +341,8 @@ pub(super) fn update_preview(
         matches!(event, AssetEvent::Modified { id } if Some(*id) == inspector.feather)
     });
     let look = (preview.turn, preview.light);
-    if edited || preview.drawn != Some(look) {
+    let compiling = compiling.0.load(Ordering::Relaxed);
+    if edited || compiling || preview.drawn != Some(look) {
         preview.drawn = Some(look);
         preview.awake = AWAKE;
     }
