@@ -4,6 +4,25 @@
 //! *Hybrid fur rendering*), and shells lit by precomputed radiance transfer. Everything here is pure maths; each function that
 //! the GPU needs has a WGSL twin of the same name in `shaders/down_*.wgsl`.
 
+pub mod coverage;
+pub mod density;
+pub mod fragments;
+pub mod harmonics;
+pub mod light;
+pub mod march;
+pub mod prism;
+pub mod published;
+pub mod reference;
+pub mod shell;
+pub mod slab;
+pub mod slabs;
+pub mod strands;
+pub mod texture;
+pub mod tier;
 pub mod tile;
+pub mod transfer;
+mod vector;
+pub mod walk;
 
+pub use density::Density;
 pub use tile::Tile;

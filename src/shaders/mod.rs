@@ -29,6 +29,11 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "scattering_near.wgsl");
         load_shader_library!(app, "scattering_sample.wgsl");
         load_shader_library!(app, "sheen.wgsl");
+        load_shader_library!(app, "down_coverage.wgsl");
+        load_shader_library!(app, "down_transfer.wgsl");
+        load_shader_library!(app, "down_slabs.wgsl");
+        load_shader_library!(app, "down_strands.wgsl");
+        load_shader_library!(app, "down_fragments.wgsl");
         load_shader_library!(app, "feather_data.wgsl");
         load_shader_library!(app, "feather_io.wgsl");
         load_shader_library!(app, "wind.wgsl");
@@ -42,6 +47,12 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "feather_lighting.wgsl");
         load_shader_library!(app, "feather_near.wgsl");
         load_shader_library!(app, "feather_environment.wgsl");
+        load_shader_library!(app, "down_density.wgsl");
+        load_shader_library!(app, "down_light.wgsl");
+        load_shader_library!(app, "down_march.wgsl");
+        load_shader_library!(app, "down_prism.wgsl");
+        load_shader_library!(app, "down_tier.wgsl");
+        load_shader_library!(app, "down_walk.wgsl");
         embedded_asset!(app, "feather_vertex.wgsl");
         embedded_asset!(app, "feather.wgsl");
         embedded_asset!(app, "feather_prepass.wgsl");
