@@ -23,9 +23,9 @@ use helper::{
 };
 
 /// Height of the bird's picture with `--lean`.
-const LEAN_HEIGHT: u32 = 400;
+const LEAN_HEIGHT: u32 = 300;
 /// Frames that it is drawn after a change.
-const AWAKE: u32 = 3;
+const AWAKE: u32 = 2;
 
 fn main() {
     helper::run("inspector", |app| {

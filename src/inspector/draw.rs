@@ -2,9 +2,7 @@
 
 use super::{
     command::Command,
-    panels::{
-        feather_panel, groom_panel, plumage_panel, quality_panel, statistics_panel, toolbar,
-    },
+    panels::{feather_panel, groom_panel, plumage_panel, quality_panel, statistics_panel, toolbar},
     preview::{Preview, preview_panel},
     state::{Inspector, Tab},
 };
@@ -358,7 +356,7 @@ fn right_panel(
     let window = egui::Window::new("Feather")
         .pivot(egui::Align2::RIGHT_TOP)
         .default_pos(context.content_rect().right_top() + egui::vec2(-8.0, 8.0))
-        .default_size([250.0, 560.0])
+        .default_size([250.0, 640.0])
         .min_width(200.0);
     window.show(context, |ui| {
         scroll(ui, |ui| {
@@ -396,24 +394,34 @@ fn shortcuts(context: &egui::Context, inspector: &mut Inspector, world: &World) 
         return;
     }
     let shift = egui::Modifiers::COMMAND | egui::Modifiers::SHIFT;
-    let command = context.input_mut(|input| {
-        if input.consume_key(shift, egui::Key::Z) {
-            Some(Command::Redo)
-        } else if input.consume_key(egui::Modifiers::COMMAND, egui::Key::Z) {
-            Some(Command::Undo)
+    // A slow frame may bring a key several times.
+    let (command, times) = context.input_mut(|input| {
+        let redo = input.count_and_consume_key(shift, egui::Key::Z);
+        let undo = input.count_and_consume_key(egui::Modifiers::COMMAND, egui::Key::Z);
+        if redo > 0 {
+            (Some(Command::Redo), redo)
+        } else if undo > 0 {
+            (Some(Command::Undo), undo)
         } else if input.consume_key(egui::Modifiers::COMMAND, egui::Key::S) {
-            Some(Command::Save { overwrite: false })
+            (Some(Command::Save { overwrite: false }), 1)
         } else if input.key_pressed(egui::Key::C) && input.modifiers.is_none() {
-            Some(Command::Compare(true))
+            (Some(Command::Compare(true)), 1)
         } else if input.key_released(egui::Key::C) {
-            Some(Command::Compare(false))
+            (Some(Command::Compare(false)), 1)
         } else {
-            None
+            (None, 0)
         }
     });
     let Some(command) = command else {
         return;
     };
+    for _ in 0..times {
+        carry_out(inspector, world, command.clone());
+    }
+}
+
+/// A command for the document of the tab shown.
+fn carry_out(inspector: &mut Inspector, world: &World, command: Command) {
     let gesture = inspector.next_gesture();
     let folder = PathBuf::new();
     if inspector.tab == Tab::Groom {

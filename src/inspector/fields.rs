@@ -21,7 +21,7 @@ use bevy_inspector_egui::{
 use std::any::Any;
 
 /// Width of the column of names in points.
-const NAMES: f32 = 128.0;
+const NAMES: f32 = 140.0;
 
 /// Types that the panels show, with a [`Parameter`] as the option of every field that has one.
 pub struct Fields(TypeRegistry);
@@ -97,13 +97,24 @@ pub fn row<R>(
     hint: &str,
     widget: impl FnOnce(&mut egui::Ui) -> R,
 ) -> R {
+    row_of(ui, NAMES, name, hint, widget)
+}
+
+/// The same with a column of names of this width.
+pub fn row_of<R>(
+    ui: &mut egui::Ui,
+    width: f32,
+    name: &str,
+    hint: &str,
+    widget: impl FnOnce(&mut egui::Ui) -> R,
+) -> R {
     ui.horizontal(|ui| {
         let start = ui.cursor().left();
         let label = ui.label(name);
         if !hint.is_empty() {
             label.on_hover_text(hint);
         }
-        let rest = NAMES - (ui.cursor().left() - start);
+        let rest = width - (ui.cursor().left() - start);
         if rest > 0.0 {
             ui.add_space(rest);
         }

@@ -70,7 +70,12 @@ impl MirrorPlane {
         }
         let count = sample.len() as f64;
         let middle = sample.iter().copied().sum::<DVec3>() / count;
-        let size = (sample.iter().map(|p| (*p - middle).length_squared()).sum::<f64>() / count).sqrt();
+        let size = (sample
+            .iter()
+            .map(|p| (*p - middle).length_squared())
+            .sum::<f64>()
+            / count)
+            .sqrt();
         if size <= 0.0 {
             return None;
         }
@@ -81,12 +86,17 @@ impl MirrorPlane {
             spread += DMat3::from_cols(from * from.x, from * from.y, from * from.z);
         }
         // The normal is a principal axis, but for what only one side has; else it is likely an axis of the model.
-        let normals = principal_axes(spread).into_iter().chain([DVec3::X, DVec3::Z]);
+        let normals = principal_axes(spread)
+            .into_iter()
+            .chain([DVec3::X, DVec3::Z]);
         let found: Vec<_> = std::iter::once((DVec3::X, 0.0))
             .chain(normals.map(|normal| (normal, normal.dot(middle))))
             .map(|start| refine(&sample, &tree, &all, start))
             .collect();
-        let least = found.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
+        let least = found
+            .iter()
+            .map(|(_, error)| *error)
+            .fold(f64::INFINITY, f64::min);
         let enough = (1.2 * least + 1e-3 * size).min(TOLERANCE * size);
         found
             .into_iter()
@@ -131,7 +141,9 @@ fn refine(
         // |q' - (I - 2 n n^T) p'|^2 summed is least for the n that makes n^T (P Q^T + Q P^T) n least.
         let (p, q) = pairs
             .iter()
-            .fold((DVec3::ZERO, DVec3::ZERO), |(p, q), pair| (p + pair.1, q + pair.2));
+            .fold((DVec3::ZERO, DVec3::ZERO), |(p, q), pair| {
+                (p + pair.1, q + pair.2)
+            });
         let (p, q) = (p / count, q / count);
         let mut moment = DMat3::ZERO;
         for (_, a, b) in &pairs {
@@ -212,7 +224,10 @@ mod tests {
             let points: Vec<Vec3> = shape().iter().map(|p| turn * *p + shift).collect();
             let plane = MirrorPlane::find(&points).unwrap();
             let normal = turn * Vec3::X;
-            assert!(plane.normal.cross(normal).length() < 2e-3, "{plane:?} {normal}");
+            assert!(
+                plane.normal.cross(normal).length() < 2e-3,
+                "{plane:?} {normal}"
+            );
             let miss = plane.normal.dot(shift) - plane.offset;
             assert!(miss.abs() < 2e-3, "{miss}");
             assert_eq!(

@@ -107,9 +107,10 @@ impl Plugin for PlumageInspectorPlugin {
         let compiling = preview::Compiling::default();
         app.insert_resource(compiling.clone());
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
-            render_app
-                .insert_resource(compiling)
-                .add_systems(Render, preview::watch_pipelines.in_set(RenderSystems::Cleanup));
+            render_app.insert_resource(compiling).add_systems(
+                Render,
+                preview::watch_pipelines.in_set(RenderSystems::Cleanup),
+            );
             // Without its `bevy_ui` feature bevy_egui leaves its pass and tone mapping in no order, and cameras with HDR lose
             // the panels.
             let between = (|| {}).after(Core3dSystems::PostProcess).before(egui_pass);

@@ -111,7 +111,11 @@ pub(super) fn draw_overlay(
     else {
         return Ok(());
     };
-    let Some(groom) = inspector.grooms.get(plumage.groom.id()).map(|d| d.present()) else {
+    let Some(groom) = inspector
+        .grooms
+        .get(plumage.groom.id())
+        .map(|d| d.present())
+    else {
         return Ok(());
     };
     let (Some(shape), Some(pose)) = (posed.meshes.get(mesh), posed.pose(skin)) else {
@@ -198,7 +202,10 @@ fn draw_line(
     if let [.., Some(before), Some(tip)] = places {
         let back = (*before - *tip).normalized() * 6.0;
         for side in [0.5_f32, -0.5] {
-            painter.line_segment([*tip, *tip + egui::emath::Rot2::from_angle(side) * back], stroke);
+            painter.line_segment(
+                [*tip, *tip + egui::emath::Rot2::from_angle(side) * back],
+                stroke,
+            );
         }
     }
 }

@@ -1,7 +1,7 @@
 //! One feather alone, turned by hand under a light of its own, with its barb lattice and a cursor that reads its coverage.
 
 use super::{
-    fields::{number, row},
+    fields::{number, row_of},
     state::Inspector,
 };
 use crate::{
@@ -248,8 +248,10 @@ pub(super) fn preview_panel(
             FOOTPRINT,
         ),
     ] {
-        ui.spacing_mut().slider_width = 60.0;
-        row(ui, name, hint, |ui| number(ui, value, Some(parameter)));
+        ui.spacing_mut().slider_width = 80.0;
+        row_of(ui, 78.0, name, hint, |ui| {
+            number(ui, value, Some(parameter))
+        });
     }
     let under = response.hover_pos().and_then(|position| {
         let point = Vec2::new(
@@ -337,9 +339,9 @@ pub(super) fn update_preview(
         spawn_stage(&mut commands, &image);
         preview.image = Some(image);
     }
-    let edited = events.read().any(|event| {
-        matches!(event, AssetEvent::Modified { id } if Some(*id) == inspector.feather)
-    });
+    let edited = events.read().any(
+        |event| matches!(event, AssetEvent::Modified { id } if Some(*id) == inspector.feather),
+    );
     let look = (preview.turn, preview.light);
     let compiling = compiling.0.load(Ordering::Relaxed);
     if edited || compiling || preview.drawn != Some(look) {

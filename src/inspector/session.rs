@@ -23,6 +23,8 @@ pub struct Session<A: Asset> {
     documents: HashMap<AssetId<A>, Document<A>>,
     /// When the files of which folder were listed.
     listed: Option<(Instant, PathBuf)>,
+    /// The document that the bar stands above.
+    barred: Option<AssetId<A>>,
     /// The bar above the panel.
     pub toolbar: Toolbar,
 }
@@ -32,6 +34,7 @@ impl<A: Asset> Default for Session<A> {
         Self {
             documents: HashMap::default(),
             listed: None,
+            barred: None,
             toolbar: Toolbar::default(),
         }
     }
@@ -55,8 +58,14 @@ impl<A: Asset + Editable> Session<A> {
         self.documents.get(&id)
     }
 
-    /// A document that is open, and the bar to draw above it.
+    /// A document that is open, and the bar to draw above it; what the bar said of another document goes.
     pub fn parts(&mut self, id: AssetId<A>) -> Option<(&Document<A>, &mut Toolbar)> {
+        if self.barred != Some(id) {
+            self.barred = Some(id);
+            self.toolbar.message = None;
+            self.toolbar.asking = false;
+            self.toolbar.comparing = false;
+        }
         Some((self.documents.get(&id)?, &mut self.toolbar))
     }
 

@@ -48,9 +48,17 @@ pub fn nearest_guide_point(groom: &Groom, place: Vec3, reach: f32) -> Option<Gra
     for (g, guide) in groom.guides.iter().enumerate() {
         for (p, point) in guide.points.iter().enumerate() {
             let at = Vec3::from_array(*point);
-            let sides: &[bool] = if guide.mirror { &[false, true] } else { &[false] };
+            let sides: &[bool] = if guide.mirror {
+                &[false, true]
+            } else {
+                &[false]
+            };
             for &image in sides {
-                let side = if image { MirrorPlane::MODEL.image(at) } else { at };
+                let side = if image {
+                    MirrorPlane::MODEL.image(at)
+                } else {
+                    at
+                };
                 let distance = side.distance(place);
                 if distance <= reach && best.is_none_or(|(_, least)| distance < least) {
                     let grab = Grab {
@@ -120,12 +128,7 @@ pub fn add_guide(groom: &mut Groom, mut guide: Guide, mirror: Option<(MirrorPlan
 }
 
 /// Moves a point of a guide; with a mirror plane also the same point of the guide that is its mirror image, if there is one.
-pub fn move_point(
-    groom: &mut Groom,
-    grab: Grab,
-    place: Vec3,
-    mirror: Option<(MirrorPlane, f32)>,
-) {
+pub fn move_point(groom: &mut Groom, grab: Grab, place: Vec3, mirror: Option<(MirrorPlane, f32)>) {
     let place = if grab.image {
         MirrorPlane::MODEL.image(place)
     } else {
@@ -134,17 +137,19 @@ pub fn move_point(
     let Some(guide) = groom.guides.get(grab.guide) else {
         return;
     };
-    let partner = mirror.filter(|_| !guide.mirror).and_then(|(plane, tolerance)| {
-        let is_image = |other: &Guide| {
-            other.points.len() == guide.points.len()
-                && other.points.iter().zip(&guide.points).all(|(a, b)| {
-                    let image = plane.image(Vec3::from_array(*b));
-                    image.distance(Vec3::from_array(*a)) <= tolerance
-                })
-        };
-        let found = groom.guides.iter().position(is_image)?;
-        Some((found, plane.image(place))).filter(|_| found != grab.guide)
-    });
+    let partner = mirror
+        .filter(|_| !guide.mirror)
+        .and_then(|(plane, tolerance)| {
+            let is_image = |other: &Guide| {
+                other.points.len() == guide.points.len()
+                    && other.points.iter().zip(&guide.points).all(|(a, b)| {
+                        let image = plane.image(Vec3::from_array(*b));
+                        image.distance(Vec3::from_array(*a)) <= tolerance
+                    })
+            };
+            let found = groom.guides.iter().position(is_image)?;
+            Some((found, plane.image(place))).filter(|_| found != grab.guide)
+        });
     for (guide, place) in [(grab.guide, place)].into_iter().chain(partner) {
         if let Some(point) = groom
             .guides
@@ -176,10 +181,7 @@ pub(super) fn place_on_skin(
     let mesh = posed.meshes.get(mesh)?;
     let hit: Hit = cast(ray, mesh, &posed.pose(entity)?)?;
     let vertices = Vertices::of(mesh)?;
-    Some((
-        hit.blend(|i| vertices.bind(i)),
-        ray.get_point(hit.distance),
-    ))
+    Some((hit.blend(|i| vertices.bind(i)), ray.get_point(hit.distance)))
 }
 
 /// Mirror planes of meshes in metres with the size of the mesh, found in the background.

@@ -167,8 +167,7 @@ pub fn groom_panel(
             let remove = |ui: &mut egui::Ui, there: bool, text: &str| {
                 ui.add_enabled(there, egui::Button::new(text)).clicked()
             };
-            if panel.tool == Tool::Draw
-                && remove(ui, !groom.guides.is_empty(), "Remove last guide")
+            if panel.tool == Tool::Draw && remove(ui, !groom.guides.is_empty(), "Remove last guide")
             {
                 groom.guides.pop();
                 changed = true;
@@ -189,8 +188,19 @@ pub fn groom_panel(
         if let Some(region) = groom.regions.get_mut(panel.region) {
             changed |= worn(ui, "region feather", &mut region.feather, &feathers);
             for name in [
-                "count", "length", "width", "lift", "camber", "curl", "stiffness", "layer", "tint",
-                "placement", "segments", "select", "name",
+                "count",
+                "length",
+                "width",
+                "lift",
+                "camber",
+                "curl",
+                "stiffness",
+                "layer",
+                "tint",
+                "placement",
+                "segments",
+                "select",
+                "name",
             ] {
                 changed |= fields.edit_field(ui, region, name);
             }

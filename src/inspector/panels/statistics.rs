@@ -2,7 +2,7 @@
 
 use crate::render::{CARD_COUNTERS, PlumageMemory};
 use bevy_egui::egui;
-use egui_plot::{Legend, Line, Plot, PlotPoints};
+use egui_plot::{Corner, Legend, Line, Plot, PlotPoints};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Frames that the plot remembers.
@@ -53,6 +53,14 @@ impl Statistics {
         self.now = sample;
     }
 
+    /// The passes that took most time over the last frames, at most three.
+    fn dearest(&self) -> impl Iterator<Item = (&String, &VecDeque<f64>)> {
+        let mut passes: Vec<_> = self.passes.iter().collect();
+        let sum = |line: &VecDeque<f64>| line.iter().sum::<f64>();
+        passes.sort_by(|a, b| sum(b.1).total_cmp(&sum(a.1)));
+        passes.into_iter().take(3)
+    }
+
     /// The last frame.
     pub fn now(&self) -> &Sample {
         &self.now
@@ -61,6 +69,29 @@ impl Statistics {
 
 /// Draws the numbers and the plot.
 pub fn statistics_panel(ui: &mut egui::Ui, statistics: &Statistics) {
+    ui.label("Milliseconds over the last frames: the frame, and the passes that take most");
+    let line = |name: &str, values: &VecDeque<f64>| {
+        let points: Vec<[f64; 2]> = values
+            .iter()
+            .enumerate()
+            .map(|(i, ms)| [i as f64, *ms])
+            .collect();
+        Line::new(name.to_owned(), PlotPoints::from(points))
+    };
+    Plot::new("times")
+        .height(170.0)
+        .include_y(0.0)
+        .legend(Legend::default().position(Corner::LeftTop))
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .show(ui, |plot| {
+            plot.line(line("frame", &statistics.frame));
+            for (name, values) in statistics.dearest() {
+                plot.line(line(name, values));
+            }
+        });
+    ui.separator();
     let now = statistics.now();
     egui::Grid::new("counters").num_columns(2).show(ui, |ui| {
         let mut row = |name: &str, value: String| {
@@ -92,27 +123,4 @@ pub fn statistics_panel(ui: &mut egui::Ui, statistics: &Statistics) {
     for error in &now.errors {
         ui.colored_label(ui.visuals().error_fg_color, error);
     }
-    ui.separator();
-    ui.label("Milliseconds over the last frames");
-    let line = |name: &str, values: &VecDeque<f64>| {
-        let points: Vec<[f64; 2]> = values
-            .iter()
-            .enumerate()
-            .map(|(i, ms)| [i as f64, *ms])
-            .collect();
-        Line::new(name.to_owned(), PlotPoints::from(points))
-    };
-    Plot::new("times")
-        .height(140.0)
-        .include_y(0.0)
-        .legend(Legend::default())
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .show(ui, |plot| {
-            plot.line(line("frame", &statistics.frame));
-            for (name, values) in &statistics.passes {
-                plot.line(line(name, values));
-            }
-        });
 }

@@ -142,7 +142,17 @@ pub fn toolbar<T: Editable>(
         Some(Err(text)) => {
             ui.colored_label(ui.visuals().error_fg_color, text);
         }
-        None => {}
+        // The line stays, so that nothing below moves under the pointer.
+        None if document.is_changed() => {
+            ui.weak("Not saved");
+        }
+        None => {
+            ui.weak(if document.file().is_some() {
+                "As in its file"
+            } else {
+                "It has no file yet"
+            });
+        }
     }
     ui.separator();
     command
