@@ -171,7 +171,7 @@ fn a_density_slider_builds_one_groom_off_the_main_thread() {
     assert_eq!(work(&stage).albedo_textures, before.albedo_textures);
     assert!(
         frames.len() > 30,
-        "frames while the groom was built",
+        "{} frames while the groom was built",
         frames.len()
     );
     let walls = sorted(frames.iter().map(|(_, took)| *took).collect());

@@ -46,7 +46,7 @@ impl Carried {
                 .query(&point.to_array())
                 .nearest_one::<SquaredEuclidean<f32>>()
                 .execute();
-            (point, nearest.item as u32)
+            (point, nearest.item)
         };
         for guide in &groom.guides {
             let line = || {
@@ -172,7 +172,7 @@ pub(super) fn draw_overlay(
                     .query(&place.to_array())
                     .nearest_one::<SquaredEuclidean<f32>>()
                     .execute();
-                let map = vertices.map(&pose, nearest.item as u32);
+                let map = vertices.map(&pose, nearest.item);
                 screen(map.transform_point3(place))
             })
             .collect();
