@@ -4,15 +4,18 @@ mod helper;
 
 use bevy::{
     camera::{ClearColorConfig, RenderTarget, visibility::RenderLayers},
+    core_pipeline::tonemapping::DebandDither,
+    diagnostic::FrameCount,
     prelude::*,
     render::render_resource::TextureFormat,
+    window::PrimaryWindow,
 };
 use bevy_egui::{
     EguiContext, EguiContexts, EguiGlobalSettings, EguiPrimaryContextPass, EguiTextureHandle,
     PrimaryEguiContext, egui,
 };
 use bevy_plumage::{
-    inspector::{InspectorSystems, PlumageInspectorPlugin},
+    inspector::{Document, Inspector, InspectorSystems, PlumageInspectorPlugin},
     prelude::*,
 };
 use clap::Parser;
@@ -49,8 +52,43 @@ fn main() {
         .add_plugins(PlumageInspectorPlugin {
             assets: args.assets,
         })
-        .add_systems(Startup, setup);
+        .add_systems(Startup, setup)
+        .add_systems(Update, name_window);
     });
+}
+
+/// Says in the title of the window what no file holds.
+fn name_window(
+    inspector: Res<Inspector>,
+    args: Res<Args>,
+    frame: Res<FrameCount>,
+    birds: Query<(&PlumageState, Option<&FeatherQuality>)>,
+    mut windows: Query<&mut Window, With<PrimaryWindow>>,
+) {
+    let (Ok(mut window), Some((state, quality))) = (
+        windows.single_mut(),
+        inspector.bird.and_then(|bird| birds.get(bird).ok()),
+    ) else {
+        return;
+    };
+    let settings = quality.copied().unwrap_or_default().settings;
+    let picked = inspector.picked.as_ref().map_or_else(
+        || "nothing".to_owned(),
+        |picked| format!("card {}", picked.card),
+    );
+    let (back, forth) = inspector
+        .feather
+        .and_then(|id| inspector.feathers.get(id))
+        .map_or((0, 0), Document::depth);
+    // Who waits for the picture of a slow machine wants to know how far it is.
+    let frame = if args.lean { frame.0 } else { 0 };
+    let title = format!(
+        "bevy_plumage: inspector | {} feathers | error budget {:.5} | view {:?} | picked {picked} | {back} to undo, {forth} to redo | frame {frame}",
+        state.cards, settings.error_budget, settings.debug_view,
+    );
+    if window.title != title {
+        window.title = title;
+    }
 }
 
 fn setup(
@@ -114,7 +152,9 @@ fn spawn_front(
         if !matches!(target, RenderTarget::Image(_)) {
             continue;
         }
-        commands.entity(entity).insert(Seldom(0));
+        commands
+            .entity(entity)
+            .insert((Seldom(0), DebandDither::Disabled));
         commands.spawn((
             Front,
             Camera3d::default(),
@@ -124,6 +164,7 @@ fn spawn_front(
                 ..default()
             },
             Msaa::Off,
+            DebandDither::Disabled,
             *transform,
             projection.clone(),
             RenderLayers::none(),

@@ -45,4 +45,13 @@ impl Parameter {
             ..self
         }
     }
+
+    /// The middle of the range, as the slider has it.
+    pub fn middle(&self) -> f64 {
+        if self.logarithmic && self.low > 0.0 {
+            (self.low * self.high).sqrt()
+        } else {
+            0.5 * (self.low + self.high)
+        }
+    }
 }

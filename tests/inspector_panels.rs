@@ -44,13 +44,13 @@ fn a_feather_shows_every_parameter_and_is_left_alone() {
     );
     harness.run_steps(3);
     for name in [
-        "length_mm",
-        "barb_count",
-        "barb_angle",
-        "spacing_um",
+        "length",
+        "barb count",
+        "barb angle",
+        "spacing",
         "fringe",
         "eta",
-        "longitudinal_roughness",
+        "longitudinal roughness",
         "strength",
     ] {
         assert!(
@@ -105,6 +105,36 @@ fn a_slider_changes_its_value_within_its_range() {
 }
 
 #[test]
+fn another_kind_of_fibre_begins_with_valid_numbers() {
+    let state = (Fields::default(), feather());
+    let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
+        |ui, (fields, feather)| {
+            fields.edit(ui, "fibre", &mut feather.optics.barb);
+        },
+        state,
+    );
+    harness.run_steps(2);
+    for (name, number) in [
+        ("Structural", "core radius"),
+        ("Pigment", "medulla radius"),
+        ("Structural", "core radius"),
+    ] {
+        let combo = harness
+            .query_all_by_role(egui::accesskit::Role::ComboBox)
+            .next();
+        combo.expect("a list of kinds").click();
+        harness.run_steps(3);
+        let choices: Vec<_> = harness.query_all_by_label(name).collect();
+        choices.last().expect("the kind is offered").click();
+        harness.run_steps(3);
+        let kind = format!("{:?}", harness.state().1.optics.barb.kind);
+        assert!(kind.starts_with(name), "{kind}");
+        assert!(harness.query_all_by_label(number).next().is_some());
+        harness.state().1.validate().unwrap();
+    }
+}
+
+#[test]
 fn grooms_quality_and_statistics_draw() {
     let groom = Rc::new(RefCell::new(parrot()));
     let drawn = Rc::new(Cell::new(0));
@@ -131,7 +161,7 @@ fn grooms_quality_and_statistics_draw() {
     harness.run_steps(3);
     assert!(drawn.get() > 0);
     for text in [
-        "error_budget",
+        "error budget",
         "density",
         "6250",
         "parrot.groom.ron: broken",

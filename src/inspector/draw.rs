@@ -35,6 +35,9 @@ pub(super) struct World<'w, 's> {
     cards: Query<'w, 's, &'static PlumageCards>,
 }
 
+/// Width of the window on the right, its frame included, in points.
+const RIGHT: f32 = 264.0;
+
 /// Draws everything. Runs inside the egui pass.
 pub(super) fn draw(
     mut contexts: EguiContexts,
@@ -48,12 +51,19 @@ pub(super) fn draw(
     if context.input(|input| input.key_pressed(egui::Key::F12)) {
         inspector.open = !inspector.open;
     }
-    let down = context.input(|input| input.pointer.any_down());
-    if down != inspector.pointer_down {
-        // A press or a release begins a new step of the history.
-        inspector.pointer_down = down;
+    let (down, pressed, released) = context.input(|input| {
+        let pointer = &input.pointer;
+        (
+            pointer.any_down(),
+            pointer.any_pressed(),
+            pointer.any_released(),
+        )
+    });
+    // A press begins a new step of the history; so does what comes after a release, which itself may still move a slider.
+    if pressed || inspector.released {
         inspector.next_gesture();
     }
+    inspector.released = released;
     if inspector.open {
         let inspector = &mut *inspector;
         left_panel(&context, inspector, &mut world, &mut commands);
@@ -100,7 +110,8 @@ fn left_panel(
     let window = egui::Window::new("Plumage")
         .default_pos([8.0, 8.0])
         .default_size([370.0, 640.0])
-        .min_width(300.0);
+        .min_width(300.0)
+        .constrain_to(context.content_rect().shrink(8.0));
     window.show(context, |ui| {
         choose_bird(ui, inspector, world);
         ui.horizontal(|ui| {
@@ -354,10 +365,11 @@ fn right_panel(
     texture: Option<egui::TextureId>,
 ) {
     let window = egui::Window::new("Feather")
-        .pivot(egui::Align2::RIGHT_TOP)
-        .default_pos(context.content_rect().right_top() + egui::vec2(-8.0, 8.0))
-        .default_size([250.0, 640.0])
-        .min_width(200.0);
+        .default_pos(context.content_rect().right_top() + egui::vec2(-8.0 - RIGHT, 8.0))
+        .default_width(RIGHT - 14.0)
+        .default_height(640.0)
+        .min_width(200.0)
+        .constrain_to(context.content_rect().shrink(8.0));
     window.show(context, |ui| {
         scroll(ui, |ui| {
             let feather = inspector.feather.and_then(|id| world.feathers.get(id));

@@ -249,7 +249,7 @@ pub(super) fn preview_panel(
         ),
     ] {
         ui.spacing_mut().slider_width = 80.0;
-        row_of(ui, 78.0, name, hint, |ui| {
+        row_of(ui, 78.0, 0, name, hint, |ui| {
             number(ui, value, Some(parameter))
         });
     }

@@ -59,7 +59,8 @@ pub struct Inspector {
     pub(super) fields: Fields,
     pub(super) assets: PathBuf,
     pub(super) gesture: u64,
-    pub(super) pointer_down: bool,
+    /// The pointer was let go in the last frame.
+    pub(super) released: bool,
     /// A drag on the bird under way.
     pub(super) stroke: Stroke,
     /// A plumage that waits for the pointer to be let go: each is a build.
@@ -84,7 +85,7 @@ impl Inspector {
             fields: Fields::default(),
             assets,
             gesture: 0,
-            pointer_down: false,
+            released: false,
             stroke: Stroke::default(),
             pending: None,
         }

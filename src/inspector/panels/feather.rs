@@ -120,6 +120,7 @@ pub fn feather_panel(
     });
     section(ui, "Colour, front", false, |ui| {
         changed |= pattern_editor(ui, "front", &mut feather.albedo.front);
+        ui.add_space(4.0);
         ui.label("Share of the painted colour");
         changed |= fields.edit(ui, "share", &mut feather.albedo.share);
     });
@@ -159,6 +160,7 @@ pub fn feather_panel(
             albedo,
             panel.eye.to_radians(),
         );
+        ui.add_space(4.0);
         ui.label("Sheen");
         changed |= fields.edit(ui, "sheen", &mut feather.optics.sheen);
     });

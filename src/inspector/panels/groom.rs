@@ -143,7 +143,7 @@ pub fn groom_panel(
                         .range(1.0e-3..=1.0e6)
                         .max_decimals(2)
                         .speed(0.2)
-                        .suffix(unit_suffix(groom.unit)),
+                        .suffix(format!(" {}", unit_of(groom.unit))),
                 );
             });
         }
@@ -180,63 +180,76 @@ pub fn groom_panel(
             }
         });
     });
-    let unit = unit_suffix(groom.unit);
+    let measure = Parameter::new(unit_of(groom.unit), 1.0e-6, 1.0e6);
+    let offset = Parameter::new(measure.unit, -1.0e3, 1.0e3);
     let feathers = groom.feathers.clone();
     section(ui, "Regions", true, |ui| {
         let names = groom.regions.iter().map(|region| region.name.as_str());
-        choose(ui, "region", &mut panel.region, names);
+        row(ui, "region", "A tract of scattered feathers", |ui| {
+            choose(ui, "region", &mut panel.region, names);
+        });
+        let Some(region) = groom.regions.get_mut(panel.region) else {
+            return;
+        };
+        changed |= worn(ui, "region feather", &mut region.feather, &feathers);
+        changed |= fields.edit_field(ui, region, "count");
+        for name in ["length", "width"] {
+            changed |= fields.edit_field_as(ui, region, name, Some(measure));
+        }
+        for name in [
+            "lift",
+            "camber",
+            "curl",
+            "stiffness",
+            "layer",
+            "tint",
+            "placement",
+            "segments",
+            "select",
+            "name",
+        ] {
+            changed |= fields.edit_field(ui, region, name);
+        }
+        ui.weak("\u{201c}to\u{201d}: from the head end to the tail end");
+    });
+    section(ui, "Random variation of the region", false, |ui| {
         if let Some(region) = groom.regions.get_mut(panel.region) {
-            changed |= worn(ui, "region feather", &mut region.feather, &feathers);
-            for name in [
-                "count",
-                "length",
-                "width",
-                "lift",
-                "camber",
-                "curl",
-                "stiffness",
-                "layer",
-                "tint",
-                "placement",
-                "segments",
-                "select",
-                "name",
-            ] {
-                changed |= fields.edit_field(ui, region, name);
-            }
-            ui.weak(format!(
-                "Lengths in{unit}; \u{201c}to\u{201d}: from head to tail"
-            ));
-            section(ui, "Random variation", false, |ui| {
-                changed |= fields.edit(ui, "region jitter", &mut region.jitter);
-            });
+            changed |= fields.edit(ui, "region jitter", &mut region.jitter);
         }
     });
     section(ui, "Rows", false, |ui| {
         let names = groom.rows.iter().map(|row| row.name.as_str());
-        choose(ui, "row", &mut panel.row, names);
+        row(ui, "row", "A row of feathers on bones", |ui| {
+            choose(ui, "row", &mut panel.row, names);
+        });
+        let Some(row) = groom.rows.get_mut(panel.row) else {
+            return;
+        };
+        changed |= worn(ui, "row feather", &mut row.feather, &feathers);
+        changed |= fields.edit_field_as(ui, row, "width", Some(measure));
+        for name in ["lift", "camber", "curl", "layer"] {
+            changed |= fields.edit_field(ui, row, name);
+        }
+        changed |= fields.edit_field_as(ui, row, "offset", Some(offset));
+        for name in ["tint", "segments"] {
+            changed |= fields.edit_field(ui, row, name);
+        }
+    });
+    section(ui, "Random variation of the row", false, |ui| {
         if let Some(row) = groom.rows.get_mut(panel.row) {
-            changed |= worn(ui, "row feather", &mut row.feather, &feathers);
-            for name in [
-                "width", "lift", "camber", "curl", "layer", "offset", "tint", "segments",
-            ] {
-                changed |= fields.edit_field(ui, row, name);
-            }
-            section(ui, "Random variation ", false, |ui| {
-                changed |= fields.edit(ui, "row jitter", &mut row.jitter);
-            });
+            changed |= fields.edit(ui, "row jitter", &mut row.jitter);
         }
     });
     changed
 }
 
-/// The unit of a groom, as it stands after a number.
-fn unit_suffix(metres: f32) -> String {
+/// The unit of a groom.
+fn unit_of(metres: f32) -> &'static str {
     match metres {
-        1.0 => " m".into(),
-        0.01 => " cm".into(),
-        0.001 => " mm".into(),
-        _ => format!(" units of {metres} m"),
+        1.0 => "m",
+        0.01 => "cm",
+        0.001 => "mm",
+        _ => "units",
     }
 }
 

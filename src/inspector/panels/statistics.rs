@@ -2,7 +2,7 @@
 
 use crate::render::{CARD_COUNTERS, PlumageMemory};
 use bevy_egui::egui;
-use egui_plot::{Corner, Legend, Line, Plot, PlotPoints};
+use egui_plot::{Line, Plot, PlotPoints};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Frames that the plot remembers.
@@ -50,7 +50,12 @@ impl Statistics {
         for (name, value) in &sample.passes {
             keep(self.passes.entry(name.clone()).or_default(), *value);
         }
-        self.now = sample;
+        // A frame in which no camera looked at a bird says nothing of its cards.
+        let cards = match sample.cards.iter().all(|count| *count == 0) && sample.feathers > 0 {
+            true => self.now.cards,
+            false => sample.cards,
+        };
+        self.now = Sample { cards, ..sample };
     }
 
     /// The passes that took most time over the last frames, at most three.
@@ -69,28 +74,39 @@ impl Statistics {
 
 /// Draws the numbers and the plot.
 pub fn statistics_panel(ui: &mut egui::Ui, statistics: &Statistics) {
-    ui.label("Milliseconds over the last frames: the frame, and the passes that take most");
-    let line = |name: &str, values: &VecDeque<f64>| {
-        let points: Vec<[f64; 2]> = values
-            .iter()
-            .enumerate()
-            .map(|(i, ms)| [i as f64, *ms])
-            .collect();
-        Line::new(name.to_owned(), PlotPoints::from(points))
-    };
+    ui.label(format!("Milliseconds per frame, last {FRAMES} frames"));
+    let colours = [
+        egui::Color32::from_rgb(235, 235, 235),
+        egui::Color32::from_rgb(240, 120, 90),
+        egui::Color32::from_rgb(110, 200, 110),
+        egui::Color32::from_rgb(110, 160, 250),
+    ];
+    let frame = "frame".to_owned();
+    let lines: Vec<_> = std::iter::once((&frame, &statistics.frame))
+        .chain(statistics.dearest())
+        .zip(colours)
+        .collect();
     Plot::new("times")
         .height(170.0)
         .include_y(0.0)
-        .legend(Legend::default().position(Corner::LeftTop))
         .allow_drag(false)
         .allow_zoom(false)
         .allow_scroll(false)
         .show(ui, |plot| {
-            plot.line(line("frame", &statistics.frame));
-            for (name, values) in statistics.dearest() {
-                plot.line(line(name, values));
+            for ((name, values), colour) in &lines {
+                let points: Vec<[f64; 2]> = values
+                    .iter()
+                    .enumerate()
+                    .map(|(i, ms)| [i as f64, *ms])
+                    .collect();
+                plot.line(Line::new((*name).clone(), PlotPoints::from(points)).color(*colour));
             }
         });
+    ui.horizontal_wrapped(|ui| {
+        for ((name, _), colour) in &lines {
+            ui.colored_label(*colour, format!("\u{25a0} {}", name.replace('_', " ")));
+        }
+    });
     ui.separator();
     let now = statistics.now();
     egui::Grid::new("counters").num_columns(2).show(ui, |ui| {
@@ -107,7 +123,7 @@ pub fn statistics_panel(ui: &mut egui::Ui, statistics: &Statistics) {
         }
         row("frame", format!("{:.2} ms", now.frame_ms));
         for (name, ms) in &now.passes {
-            row(name, format!("{ms:.3} ms GPU"));
+            row(&name.replace('_', " "), format!("{ms:.3} ms GPU"));
         }
         let memory = now.memory;
         for (name, bytes) in [

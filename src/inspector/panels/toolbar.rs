@@ -78,7 +78,8 @@ pub fn toolbar<T: Editable>(
             "Save *"
         } else {
             "Save"
-        });
+        })
+        .min_size(egui::vec2(50.0, 0.0));
         if ui
             .add_enabled(document.file().is_some(), save)
             .on_hover_text(document.file().map_or_else(
