@@ -2,11 +2,12 @@
 CARGO ?= cargo
 ARGS ?=
 
-.PHONY: help parrot eagle single inspector test gallery charts bench docs birds feathers tables setup
+.PHONY: help parrot eagle single inspector tour test gallery charts bench docs birds feathers tables setup
 
 help:
 	@echo "make parrot | eagle | single   show the example (off screen without a display); ARGS='--camera closeup' passes options"
 	@echo "make inspector                 a parrot with every panel of the editor"
+	@echo "make tour                      its pictures in docs/inspector_tour, by a mouse in a virtual window"
 	@echo "make test                      format, lints, tests, documentation, shaders"
 	@echo "make gallery                   all pictures of the README"
 	@echo "make charts | bench | docs     docs/charts; benchmarks; API documentation"
@@ -24,9 +25,15 @@ single: setup
 inspector: setup
 	$(CARGO) run --features inspector,extract --example inspector -- $(ARGS)
 
+tour: setup
+	$(CARGO) build --features inspector,extract --example inspector
+	./scripts/tour.sh 1
+	./scripts/tour.sh 2
+
 test: setup
 	$(CARGO) fmt --check
 	@if $(CARGO) tree --all-features -d 2>/dev/null | grep -E '^(egui|wgpu|naga|bevy) v'; then echo "more than one egui, wgpu, naga or bevy"; exit 1; fi
+	./scripts/one_egui.sh
 	$(CARGO) clippy --all-targets -- -D warnings
 	$(CARGO) clippy --all-targets --all-features -- -D warnings
 	$(CARGO) test --all-features

@@ -38,11 +38,20 @@ impl Parameter {
         Self::new("\u{b0}", low, high)
     }
 
-    /// With a slider of equal ratios, for a range of several decades; `low` must be above 0.
+    /// With a slider of equal ratios, for a range of several decades; `low` must be above 0 (a count may start at 0).
     pub const fn logarithmic(self) -> Self {
         Self {
             logarithmic: true,
             ..self
+        }
+    }
+
+    /// The middle of the range, as the slider has it.
+    pub fn middle(&self) -> f64 {
+        if self.logarithmic && self.low > 0.0 {
+            (self.low * self.high).sqrt()
+        } else {
+            0.5 * (self.low + self.high)
         }
     }
 }

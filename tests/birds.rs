@@ -90,6 +90,23 @@ fn tracts_of(select: &Select, out: &mut Vec<u32>) {
     }
 }
 
+#[cfg(feature = "inspector")]
+#[test]
+fn birds_are_symmetric_in_the_plane_that_mirror_flags_mean() {
+    for bird in ["parrot", "eagle"] {
+        let positions: Vec<bevy::math::Vec3> = glb(bird)
+            .attribute(0, 0, Semantic::Positions, 3)
+            .iter()
+            .map(|p| bevy::math::Vec3::new(p[0], p[1], p[2]))
+            .collect();
+        let plane = bevy_plumage::inspector::MirrorPlane::find(&positions);
+        assert!(
+            plane.is_some_and(|plane| plane.is_model(0.4, 0.001)),
+            "{bird}: {plane:?}"
+        );
+    }
+}
+
 #[test]
 fn skeletons_have_57_distinct_named_joints() {
     for bird in ["parrot", "eagle"] {

@@ -6,7 +6,7 @@ use bevy_plumage::{
     anatomy::{Feather, presets},
     inspector::{
         Command, Document, FeatherPanel, Fields, GroomPanel, Sample, Session, Statistics, Toolbar,
-        feather_panel, groom_panel, quality_panel, statistics_panel, toolbar,
+        feather_panel, groom_panel, plumage_panel, quality_panel, statistics_panel, toolbar,
     },
     prelude::*,
 };
@@ -44,13 +44,13 @@ fn a_feather_shows_every_parameter_and_is_left_alone() {
     );
     harness.run_steps(3);
     for name in [
-        "length_mm",
-        "barb_count",
-        "barb_angle",
-        "spacing_um",
+        "length",
+        "barb count",
+        "barb angle",
+        "spacing",
         "fringe",
         "eta",
-        "longitudinal_roughness",
+        "longitudinal roughness",
         "strength",
     ] {
         assert!(
@@ -105,6 +105,36 @@ fn a_slider_changes_its_value_within_its_range() {
 }
 
 #[test]
+fn another_kind_of_fibre_begins_with_valid_numbers() {
+    let state = (Fields::default(), feather());
+    let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
+        |ui, (fields, feather)| {
+            fields.edit(ui, "fibre", &mut feather.optics.barb);
+        },
+        state,
+    );
+    harness.run_steps(2);
+    for (name, number) in [
+        ("Structural", "core radius"),
+        ("Pigment", "medulla radius"),
+        ("Structural", "core radius"),
+    ] {
+        let combo = harness
+            .query_all_by_role(egui::accesskit::Role::ComboBox)
+            .next();
+        combo.expect("a list of kinds").click();
+        harness.run_steps(3);
+        let choices: Vec<_> = harness.query_all_by_label(name).collect();
+        choices.last().expect("the kind is offered").click();
+        harness.run_steps(3);
+        let kind = format!("{:?}", harness.state().1.optics.barb.kind);
+        assert!(kind.starts_with(name), "{kind}");
+        assert!(harness.query_all_by_label(number).next().is_some());
+        harness.state().1.validate().unwrap();
+    }
+}
+
+#[test]
 fn grooms_quality_and_statistics_draw() {
     let groom = Rc::new(RefCell::new(parrot()));
     let drawn = Rc::new(Cell::new(0));
@@ -123,17 +153,15 @@ fn grooms_quality_and_statistics_draw() {
     let mut harness = Harness::builder().with_size(SIZE).build_ui(move |ui| {
         let changed = groom_panel(ui, &fields, &mut panel, &mut seen.borrow_mut());
         assert!(!changed, "drawing changed the groom");
-        assert_eq!(
-            quality_panel(ui, &fields, &mut quality, &mut plumage),
-            (false, false)
-        );
+        assert!(!quality_panel(ui, &fields, &mut quality));
+        assert!(!plumage_panel(ui, &mut plumage, &PlumageState::default()));
         statistics_panel(ui, &statistics);
         count.set(count.get() + 1);
     });
     harness.run_steps(3);
     assert!(drawn.get() > 0);
     for text in [
-        "error_budget",
+        "error budget",
         "density",
         "6250",
         "parrot.groom.ron: broken",
@@ -155,7 +183,7 @@ fn the_bar_asks_for_what_is_clicked() {
     let state = (Toolbar::default(), document, Vec::<Command>::new());
     let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
         |ui, (bar, document, asked)| {
-            asked.extend(toolbar(ui, bar, document, true));
+            asked.extend(toolbar(ui, bar, document, Some("preset")));
         },
         state,
     );
@@ -190,7 +218,7 @@ fn a_malformed_file_shows_its_error_and_changes_nothing() {
         |ui, session: &mut Session<Feather>| {
             let id = bevy::asset::AssetId::<Feather>::invalid();
             let document = session.get(id).unwrap().clone();
-            toolbar(ui, &mut session.toolbar, &document, true);
+            toolbar(ui, &mut session.toolbar, &document, None);
         },
         session,
     );

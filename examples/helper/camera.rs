@@ -113,7 +113,7 @@ fn orbit(args: Res<Args>, time: Res<Time>, mut cameras: Query<(&mut Transform, &
     }
 }
 
-/// Left button turns, wheel goes nearer.
+/// Left button turns (the right one too, also where a tool has the left), wheel goes nearer.
 fn turn_by_mouse(
     buttons: Option<Res<ButtonInput<MouseButton>>>,
     motion: Option<Res<AccumulatedMouseMotion>>,
@@ -126,14 +126,15 @@ fn turn_by_mouse(
         return;
     }
     #[cfg(feature = "inspector")]
-    if inspector.is_some_and(|inspector| inspector.takes_drags()) {
-        return;
-    }
+    let taken = inspector.is_some_and(|inspector| inspector.takes_drags());
+    #[cfg(not(feature = "inspector"))]
+    let taken = false;
     let (Some(buttons), Some(motion), Some(scroll)) = (buttons, motion, scroll) else {
         return;
     };
     for (mut transform, orbit) in &mut cameras {
-        if buttons.pressed(MouseButton::Left) {
+        let left = buttons.pressed(MouseButton::Left) && !taken;
+        if left || buttons.pressed(MouseButton::Right) {
             let right = transform.right();
             let turn = Quat::from_rotation_y(-motion.delta.x * 0.006)
                 * Quat::from_axis_angle(*right, -motion.delta.y * 0.006);

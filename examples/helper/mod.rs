@@ -196,6 +196,12 @@ pub struct Args {
     /// Photograph that `single_feather` makes a feather of and shows beside it (feature `extract`).
     #[arg(long)]
     pub photo: Option<PathBuf>,
+    /// Folder of the assets, with `birds`, `grooms` and `feathers` in it.
+    #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/assets"))]
+    pub assets: PathBuf,
+    /// For slow machines: without shadows; `inspector` also draws the bird in fewer pixels, and only when something has changed.
+    #[arg(long)]
+    pub lean: bool,
     /// Camera distance relative to the shot's own.
     #[arg(long, default_value_t = 1.0)]
     pub distance: f32,
@@ -261,13 +267,13 @@ pub fn run(name: &'static str, scene: fn(&mut App)) {
     let mut app = App::new();
     let plugins = DefaultPlugins
         .set(AssetPlugin {
-            file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(),
+            file_path: args.assets.to_string_lossy().into_owned(),
             // A mesh named on the command line may lie anywhere.
             unapproved_path_mode: UnapprovedPathMode::Allow,
             ..default()
         })
         .set(RenderPlugin {
-            synchronous_pipeline_compilation: off_screen,
+            synchronous_pipeline_compilation: off_screen || args.lean,
             ..default()
         })
         .set(WindowPlugin {

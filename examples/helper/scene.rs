@@ -74,7 +74,7 @@ fn spawn_light(mut commands: Commands, args: Res<Args>) {
         DirectionalLight {
             illuminance: 23_000.0,
             color: Color::srgb(1.0, 0.95, 0.87),
-            shadow_maps_enabled: true,
+            shadow_maps_enabled: !args.lean,
             shadow_normal_bias: 0.6,
             ..default()
         },

@@ -172,7 +172,7 @@ pub struct Region {
     /// Feather worn: index into [`Groom::feathers`].
     pub feather: u16,
     /// Number of feathers at density 1, both sides of the bird together.
-    #[reflect(@Parameter::new("feathers", 0.0, 200000.0))]
+    #[reflect(@Parameter::new("feathers", 0.0, 200000.0).logarithmic())]
     pub count: u32,
     /// How they are placed.
     pub placement: Placement,

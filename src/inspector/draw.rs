@@ -2,173 +2,18 @@
 
 use super::{
     command::Command,
-    fields::Fields,
-    panels::{
-        FeatherPanel, GroomPanel, Sample, Statistics, Tool, feather_panel, groom_panel,
-        quality_panel, statistics_panel, toolbar,
-    },
-    pick::Picked,
+    panels::{feather_panel, groom_panel, plumage_panel, quality_panel, statistics_panel, toolbar},
     preview::{Preview, preview_panel},
-    session::{Session, files},
+    state::{Inspector, Tab},
 };
 use crate::{
     anatomy::{Feather, presets},
     groom::{Groom, Plumage, PlumageCards, PlumageState},
-    render::{CARD_COUNTERS, FeatherQuality, PlumageMemory},
+    render::FeatherQuality,
 };
-use bevy::{diagnostic::DiagnosticsStore, prelude::*};
+use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
 use std::path::{Path, PathBuf};
-
-/// Which panel is shown on the left.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Tab {
-    /// One feather.
-    #[default]
-    Feather,
-    /// The groom of the bird.
-    Groom,
-    /// Error budget, transparency, debug view.
-    Quality,
-    /// Counters, times, memory.
-    Statistics,
-}
-
-/// The state of the inspector.
-#[derive(Resource)]
-pub struct Inspector {
-    /// Shown at all (F12).
-    pub open: bool,
-    /// The panel shown.
-    pub tab: Tab,
-    /// The bird edited.
-    pub bird: Option<Entity>,
-    /// The feather edited.
-    pub feather: Option<AssetId<Feather>>,
-    /// The feather picked last.
-    pub picked: Option<Picked>,
-    /// Feathers that are open.
-    pub feathers: Session<Feather>,
-    /// Grooms that are open.
-    pub grooms: Session<Groom>,
-    /// The feather panel.
-    pub feather_panel: FeatherPanel,
-    /// The groom panel.
-    pub groom_panel: GroomPanel,
-    /// The last frames.
-    pub statistics: Statistics,
-    /// Photographs that become feathers.
-    #[cfg(feature = "extract")]
-    pub photos: super::photo::Photos,
-    fields: Fields,
-    assets: PathBuf,
-    gesture: u64,
-    pointer_down: bool,
-}
-
-impl Inspector {
-    pub(super) fn new(assets: PathBuf) -> Self {
-        Self {
-            open: true,
-            tab: Tab::Feather,
-            bird: None,
-            feather: None,
-            picked: None,
-            feathers: Session::default(),
-            grooms: Session::default(),
-            feather_panel: FeatherPanel::default(),
-            groom_panel: GroomPanel::default(),
-            statistics: Statistics::default(),
-            #[cfg(feature = "extract")]
-            photos: super::photo::Photos::default(),
-            fields: Fields::default(),
-            assets,
-            gesture: 0,
-            pointer_down: false,
-        }
-    }
-
-    /// Shows a feather picked on a bird.
-    pub fn choose(&mut self, picked: Picked) {
-        self.bird = Some(picked.bird);
-        self.feather = Some(picked.feather);
-        self.picked = Some(picked);
-    }
-
-    /// Whether a drag on the bird belongs to a tool, so that it should not turn the camera.
-    pub fn takes_drags(&self) -> bool {
-        self.open && self.tab == Tab::Groom && self.groom_panel.tool != Tool::Pick
-    }
-
-    /// A number for a new step of the history.
-    pub fn next_gesture(&mut self) -> u64 {
-        self.gesture += 1;
-        self.gesture
-    }
-}
-
-/// Collects what the statistics panel shows.
-pub(super) fn measure(
-    mut inspector: ResMut<Inspector>,
-    store: Option<Res<DiagnosticsStore>>,
-    memory: Option<Res<PlumageMemory>>,
-    time: Res<Time<Real>>,
-    states: Query<&PlumageState>,
-    cards: Query<&PlumageCards>,
-) {
-    let mut sample = Sample {
-        frame_ms: time.delta_secs_f64() * 1e3,
-        memory: memory.map_or_else(PlumageMemory::default, |memory| *memory),
-        feathers: cards.iter().map(|worn| worn.cards.len() as u64).sum(),
-        ..Sample::default()
-    };
-    for state in &states {
-        sample.triangles += u64::from(state.triangles);
-        sample.groom_ms = sample.groom_ms.max(state.groom_ms);
-        sample.errors.extend(state.error.clone());
-    }
-    for diagnostic in store.iter().flat_map(|store| store.iter()) {
-        let path = diagnostic.path().as_str();
-        if let Some(name) = path.strip_prefix("render/feather_cards_") {
-            if let Some(i) = CARD_COUNTERS.iter().position(|known| *known == name) {
-                sample.cards[i] = diagnostic.value().unwrap_or(0.0) as u64;
-            }
-        } else if let Some(name) = path
-            .strip_prefix("render/")
-            .and_then(|path| path.strip_suffix("/elapsed_gpu"))
-            && let Some(ms) = diagnostic.smoothed()
-        {
-            sample.passes.push((name.to_owned(), ms));
-        }
-    }
-    inspector.statistics.push(sample);
-}
-
-/// Takes files that were written outside into the histories.
-pub(super) fn follow_files(
-    mut inspector: ResMut<Inspector>,
-    mut feather_events: MessageReader<AssetEvent<Feather>>,
-    mut groom_events: MessageReader<AssetEvent<Groom>>,
-    feathers: Res<Assets<Feather>>,
-    grooms: Res<Assets<Groom>>,
-) {
-    for event in feather_events.read() {
-        if let AssetEvent::Modified { id } = event
-            && let Some(feather) = feathers.get(*id)
-        {
-            let gesture = inspector.next_gesture();
-            inspector.feathers.changed_outside(*id, feather, gesture);
-        }
-    }
-    for event in groom_events.read() {
-        if let AssetEvent::Modified { id } = event
-            && let Some(groom) = grooms.get(*id)
-        {
-            let gesture = inspector.next_gesture();
-            inspector.grooms.changed_outside(*id, groom, gesture);
-        }
-    }
-}
 
 /// The birds and assets that the panels show.
 #[derive(bevy::ecs::system::SystemParam)]
@@ -184,10 +29,14 @@ pub(super) struct World<'w, 's> {
             &'static mut Plumage,
             Option<&'static mut FeatherQuality>,
             Option<&'static Name>,
+            &'static PlumageState,
         ),
     >,
     cards: Query<'w, 's, &'static PlumageCards>,
 }
+
+/// Width of the window on the right, its frame included, in points.
+const RIGHT: f32 = 264.0;
 
 /// Draws everything. Runs inside the egui pass.
 pub(super) fn draw(
@@ -202,12 +51,19 @@ pub(super) fn draw(
     if context.input(|input| input.key_pressed(egui::Key::F12)) {
         inspector.open = !inspector.open;
     }
-    let down = context.input(|input| input.pointer.any_down());
-    if down != inspector.pointer_down {
-        // A press or a release begins a new step of the history.
-        inspector.pointer_down = down;
+    let (down, pressed, released) = context.input(|input| {
+        let pointer = &input.pointer;
+        (
+            pointer.any_down(),
+            pointer.any_pressed(),
+            pointer.any_released(),
+        )
+    });
+    // A press begins a new step of the history; so does what comes after a release, which itself may still move a slider.
+    if pressed || inspector.released {
         inspector.next_gesture();
     }
+    inspector.released = released;
     if inspector.open {
         let inspector = &mut *inspector;
         left_panel(&context, inspector, &mut world, &mut commands);
@@ -230,6 +86,12 @@ fn show_documents(inspector: &mut Inspector, world: &mut World, pointer_down: bo
         .bird
         .and_then(|bird| world.birds.get(bird).ok())
         .map(|(_, plumage, ..)| plumage.groom.id());
+    if !pointer_down
+        && let Some((bird, plumage)) = inspector.pending.take()
+        && let Ok((_, mut worn, ..)) = world.birds.get_mut(bird)
+    {
+        worn.set_if_neq(plumage);
+    }
     if let Some(id) = groom
         && !pointer_down
         && let Some(value) = inspector.grooms.shown(id)
@@ -248,7 +110,8 @@ fn left_panel(
     let window = egui::Window::new("Plumage")
         .default_pos([8.0, 8.0])
         .default_size([370.0, 640.0])
-        .min_width(300.0);
+        .min_width(300.0)
+        .constrain_to(context.content_rect().shrink(8.0));
     window.show(context, |ui| {
         choose_bird(ui, inspector, world);
         ui.horizontal(|ui| {
@@ -292,11 +155,11 @@ fn choose_bird(ui: &mut egui::Ui, inspector: &mut Inspector, world: &World) {
     let selected = inspector
         .bird
         .and_then(|bird| world.birds.get(bird).ok())
-        .map_or_else(|| "no bird".to_owned(), |(e, _, _, name)| label(e, name));
+        .map_or_else(|| "no bird".to_owned(), |(e, _, _, name, _)| label(e, name));
     egui::ComboBox::from_id_salt("bird")
         .selected_text(selected)
         .show_ui(ui, |ui| {
-            for (entity, _, _, name) in &world.birds {
+            for (entity, _, _, name, _) in &world.birds {
                 ui.selectable_value(&mut inspector.bird, Some(entity), label(entity, name));
             }
         });
@@ -363,17 +226,16 @@ fn feather_tab(ui: &mut egui::Ui, inspector: &mut Inspector, world: &mut World) 
     };
     let gesture = inspector.gesture;
     let file = || file_of(&world.server, &inspector.assets, id);
-    let document = inspector.feathers.document(id, asset, file).clone();
-    let folder = folder_of(&document, &inspector.assets, "feathers");
+    let document = inspector.feathers.document(id, asset, file);
+    let folder = folder_of(document, &inspector.assets, "feathers");
     let preset = presets::by_name(&document.present().name);
-    inspector.feathers.toolbar.files = files(&folder, "feather.ron");
-    let command = toolbar(
-        ui,
-        &mut inspector.feathers.toolbar,
-        &document,
-        preset.is_some(),
-    );
     let mut value = document.present().clone();
+    inspector.feathers.list(&folder);
+    let reset = preset.as_ref().map(|_| "Back to the preset of this name");
+    let command = inspector
+        .feathers
+        .parts(id)
+        .and_then(|(document, bar)| toolbar(ui, bar, document, reset));
     let mut changed = false;
     scroll(ui, |ui| {
         changed = feather_panel(
@@ -420,13 +282,34 @@ fn groom_tab(ui: &mut egui::Ui, inspector: &mut Inspector, world: &mut World) {
     };
     let gesture = inspector.gesture;
     let file = || file_of(&world.server, &inspector.assets, id);
-    let document = inspector.grooms.document(id, asset, file).clone();
-    let folder = folder_of(&document, &inspector.assets, "grooms");
-    inspector.grooms.toolbar.files = files(&folder, "groom.ron");
-    let command = toolbar(ui, &mut inspector.grooms.toolbar, &document, false);
+    let document = inspector.grooms.document(id, asset, file);
+    let folder = folder_of(document, &inspector.assets, "grooms");
+    let saved = document.is_changed().then(|| document.saved().clone());
     let mut value = document.present().clone();
+    inspector.grooms.list(&folder);
+    let reset = saved.as_ref().map(|_| "Back to what was last saved");
+    let command = inspector
+        .grooms
+        .parts(id)
+        .and_then(|(document, bar)| toolbar(ui, bar, document, reset));
+    let mut plumage = inspector
+        .pending
+        .as_ref()
+        .filter(|(bird, _)| Some(*bird) == inspector.bird)
+        .map(|(_, plumage)| plumage.clone())
+        .or_else(|| Some(world.birds.get(inspector.bird?).ok()?.1.clone()));
+    let state = inspector
+        .bird
+        .and_then(|bird| world.birds.get(bird).ok())
+        .map(|(.., state)| state.clone())
+        .unwrap_or_default();
     let mut changed = false;
     scroll(ui, |ui| {
+        if let Some((bird, plumage)) = inspector.bird.zip(plumage.as_mut())
+            && plumage_panel(ui, plumage, &state)
+        {
+            inspector.pending = Some((bird, plumage.clone()));
+        }
         changed = groom_panel(
             ui,
             &inspector.fields,
@@ -439,7 +322,7 @@ fn groom_tab(ui: &mut egui::Ui, inspector: &mut Inspector, world: &mut World) {
     }
     if let Some(command) = command {
         let gesture = inspector.next_gesture();
-        inspector.grooms.run(id, command, &folder, None, gesture);
+        inspector.grooms.run(id, command, &folder, saved, gesture);
     }
 }
 
@@ -449,7 +332,7 @@ fn quality_tab(
     world: &mut World,
     commands: &mut Commands,
 ) {
-    let Some((entity, mut plumage, quality, _)) = inspector
+    let Some((entity, _, quality, ..)) = inspector
         .bird
         .and_then(|bird| world.birds.get_mut(bird).ok())
     else {
@@ -457,23 +340,20 @@ fn quality_tab(
         return;
     };
     let mut new_quality = quality.as_deref().copied().unwrap_or_default();
-    let mut new_plumage = plumage.clone();
-    let mut changed = (false, false);
+    let mut changed = false;
     scroll(ui, |ui| {
-        changed = quality_panel(ui, &inspector.fields, &mut new_quality, &mut new_plumage);
+        changed = quality_panel(ui, &inspector.fields, &mut new_quality);
     });
-    if changed.0 {
-        match quality {
-            Some(mut quality) => {
-                quality.set_if_neq(new_quality);
-            }
-            None => {
-                commands.entity(entity).insert(new_quality);
-            }
-        }
+    if !changed {
+        return;
     }
-    if changed.1 {
-        plumage.set_if_neq(new_plumage);
+    match quality {
+        Some(mut quality) => {
+            quality.set_if_neq(new_quality);
+        }
+        None => {
+            commands.entity(entity).insert(new_quality);
+        }
     }
 }
 
@@ -485,10 +365,11 @@ fn right_panel(
     texture: Option<egui::TextureId>,
 ) {
     let window = egui::Window::new("Feather")
-        .pivot(egui::Align2::RIGHT_TOP)
-        .default_pos(context.content_rect().right_top() + egui::vec2(-8.0, 8.0))
-        .default_size([250.0, 560.0])
-        .min_width(200.0);
+        .default_pos(context.content_rect().right_top() + egui::vec2(-8.0 - RIGHT, 8.0))
+        .default_width(RIGHT - 14.0)
+        .default_height(640.0)
+        .min_width(200.0)
+        .constrain_to(context.content_rect().shrink(8.0));
     window.show(context, |ui| {
         scroll(ui, |ui| {
             let feather = inspector.feather.and_then(|id| world.feathers.get(id));
@@ -503,11 +384,18 @@ fn right_panel(
                     ui.label(format!("at u {:.3}, v {:.3}", picked.uv.x, picked.uv.y));
                 }
                 None => {
-                    ui.weak("Click a feather on the bird (Groom tab, tool Pick).");
+                    ui.weak("Click a feather on the bird to see what it is.");
                 }
             }
             ui.separator();
-            ui.weak("F12 hides the panels. Hold C to see the saved state. Ctrl+Z, Ctrl+Shift+Z.");
+            for (key, what) in [
+                ("F12", "hides the panels"),
+                ("hold C", "shows the saved state"),
+                ("Ctrl+Z", "undoes, with Shift redoes"),
+                ("Ctrl+S", "saves"),
+            ] {
+                ui.weak(format!("{key}: {what}"));
+            }
         });
     });
 }
@@ -518,24 +406,34 @@ fn shortcuts(context: &egui::Context, inspector: &mut Inspector, world: &World) 
         return;
     }
     let shift = egui::Modifiers::COMMAND | egui::Modifiers::SHIFT;
-    let command = context.input_mut(|input| {
-        if input.consume_key(shift, egui::Key::Z) {
-            Some(Command::Redo)
-        } else if input.consume_key(egui::Modifiers::COMMAND, egui::Key::Z) {
-            Some(Command::Undo)
+    // A slow frame may bring a key several times.
+    let (command, times) = context.input_mut(|input| {
+        let redo = input.count_and_consume_key(shift, egui::Key::Z);
+        let undo = input.count_and_consume_key(egui::Modifiers::COMMAND, egui::Key::Z);
+        if redo > 0 {
+            (Some(Command::Redo), redo)
+        } else if undo > 0 {
+            (Some(Command::Undo), undo)
         } else if input.consume_key(egui::Modifiers::COMMAND, egui::Key::S) {
-            Some(Command::Save { overwrite: false })
+            (Some(Command::Save { overwrite: false }), 1)
         } else if input.key_pressed(egui::Key::C) && input.modifiers.is_none() {
-            Some(Command::Compare(true))
+            (Some(Command::Compare(true)), 1)
         } else if input.key_released(egui::Key::C) {
-            Some(Command::Compare(false))
+            (Some(Command::Compare(false)), 1)
         } else {
-            None
+            (None, 0)
         }
     });
     let Some(command) = command else {
         return;
     };
+    for _ in 0..times {
+        carry_out(inspector, world, command.clone());
+    }
+}
+
+/// A command for the document of the tab shown.
+fn carry_out(inspector: &mut Inspector, world: &World, command: Command) {
     let gesture = inspector.next_gesture();
     let folder = PathBuf::new();
     if inspector.tab == Tab::Groom {

@@ -8,9 +8,12 @@
 //! | `fields` | widgets from reflection: unit, range and tooltip of every field |
 //! | `document`, `history`, `session` | what is edited: undo, files, conflicts; no window needed |
 //! | `panels` | functions of a `Ui` and plain data |
+//! | `state` | what the inspector remembers |
 //! | `draw` | puts the panels on the screen and their edits into the assets |
+//! | `overlay` | guides, the brush and the feather picked, drawn over the bird |
 //! | `pick`, `skin` | which feather, and which place on the skin, is under the pointer |
 //! | `stroke` | draws and moves guides, paints density and length |
+//! | `mirror` | the plane that a bird is its own mirror image in |
 //! | `photo` | a photograph dropped on the window becomes a feather (feature `extract`) |
 //! | `preview` | one feather alone, with a cursor that reads its coverage |
 
@@ -19,6 +22,8 @@ mod document;
 mod draw;
 mod fields;
 mod history;
+mod mirror;
+mod overlay;
 mod panels;
 #[cfg(feature = "extract")]
 mod photo;
@@ -26,27 +31,30 @@ mod pick;
 mod preview;
 mod session;
 mod skin;
+mod state;
 mod stroke;
 
 pub use command::Command;
 pub use document::{Document, DocumentError, Editable};
-pub use draw::{Inspector, Tab};
 pub use fields::Fields;
 pub use history::History;
+pub use mirror::MirrorPlane;
 pub use panels::{
     FeatherPanel, GroomPanel, Part, Sample, Statistics, Tool, Toolbar, feather_panel, groom_panel,
-    lobe_plot, pattern_editor, quality_panel, statistics_panel, toolbar,
+    lobe_plot, pattern_editor, plumage_panel, quality_panel, statistics_panel, toolbar,
 };
 #[cfg(feature = "extract")]
 pub use photo::{Photo, Photos, photo_panel};
 pub use pick::{Picked, pick_card};
 pub use session::Session;
+pub use state::{Inspector, Tab};
+pub use stroke::{add_guide, guide_through, move_point, nearest_guide_point};
 
 use bevy::{
     asset::io::file::FileAssetReader,
     core_pipeline::{Core3d, Core3dSystems},
     prelude::*,
-    render::RenderApp,
+    render::{Render, RenderApp, RenderSystems},
 };
 use bevy_egui::{EguiPlugin, EguiPrimaryContextPass, render::egui_pass};
 use std::path::PathBuf;
@@ -67,6 +75,10 @@ impl Default for PlumageInspectorPlugin {
     }
 }
 
+/// What draws the panels, in `EguiPrimaryContextPass`.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct InspectorSystems;
+
 impl Plugin for PlumageInspectorPlugin {
     fn build(&self, app: &mut App) {
         if !app.is_plugin_added::<EguiPlugin>() {
@@ -77,17 +89,28 @@ impl Plugin for PlumageInspectorPlugin {
             .add_systems(
                 Update,
                 (
-                    draw::measure,
-                    draw::follow_files,
+                    state::measure,
+                    state::follow_files,
                     pick::pick_by_mouse,
                     stroke::stroke_by_mouse,
                     preview::update_preview,
                 ),
             )
-            .add_systems(EguiPrimaryContextPass, draw::draw);
+            .add_systems(
+                EguiPrimaryContextPass,
+                (draw::draw, overlay::draw_overlay)
+                    .chain()
+                    .in_set(InspectorSystems),
+            );
         #[cfg(feature = "extract")]
         app.add_systems(Update, photo::follow_photos);
+        let compiling = preview::Compiling::default();
+        app.insert_resource(compiling.clone());
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+            render_app.insert_resource(compiling).add_systems(
+                Render,
+                preview::watch_pipelines.in_set(RenderSystems::Cleanup),
+            );
             // Without its `bevy_ui` feature bevy_egui leaves its pass and tone mapping in no order, and cameras with HDR lose
             // the panels.
             let between = (|| {}).after(Core3dSystems::PostProcess).before(egui_pass);

@@ -1,6 +1,6 @@
 //! A photograph dropped on the window becomes a feather, in the background.
 
-use super::draw::Inspector;
+use super::state::Inspector;
 use crate::{
     anatomy::Feather,
     extract::{ExtractError, ExtractSettings, Extraction, Progress, extract, load_photograph},

@@ -1,9 +1,8 @@
 //! Which feather is under the pointer.
 
 use super::{
-    draw::Inspector,
-    panels::Tool,
     skin::{Pose, Vertices, ray_triangle, skinning_matrices, triangles},
+    state::Inspector,
 };
 use crate::{
     anatomy::{Feather, Side},
@@ -166,8 +165,8 @@ pub struct Pointer<'w, 's> {
 }
 
 impl Pointer<'_, '_> {
-    /// The ray under the pointer, unless a panel has the pointer.
-    pub fn ray(&self) -> Option<Ray3d> {
+    /// The pointer in the window, unless a panel has it.
+    pub fn place(&self) -> Option<Vec2> {
         if self
             .wants
             .as_ref()
@@ -175,10 +174,18 @@ impl Pointer<'_, '_> {
         {
             return None;
         }
-        let window = self.windows.single().ok()?;
-        let position = window.cursor_position()?;
-        let (camera, transform, _) = self
-            .cameras
+        self.windows.single().ok()?.cursor_position()
+    }
+
+    /// The ray under the pointer, unless a panel has the pointer.
+    pub fn ray(&self) -> Option<Ray3d> {
+        let (camera, transform) = self.view()?;
+        camera.viewport_to_world(transform, self.place()?).ok()
+    }
+
+    /// The camera that the window shows, and where it stands.
+    pub fn view(&self) -> Option<(&Camera, &GlobalTransform)> {
+        self.cameras
             .iter()
             .filter(|(camera, _, target)| {
                 camera.is_active
@@ -187,8 +194,8 @@ impl Pointer<'_, '_> {
                         Some(NormalizedRenderTarget::Window(_)) | None
                     )
             })
-            .max_by_key(|(camera, _, _)| camera.order)?;
-        camera.viewport_to_world(transform, position).ok()
+            .max_by_key(|(camera, _, _)| camera.order)
+            .map(|(camera, transform, _)| (camera, transform))
     }
 }
 
@@ -212,7 +219,7 @@ impl Posed<'_, '_> {
     }
 }
 
-/// A click without a drag, with the picking tool, picks.
+/// A click without a drag picks, unless a tool takes it.
 pub(super) fn pick_by_mouse(
     mut inspector: ResMut<Inspector>,
     pointer: Pointer,
@@ -223,9 +230,7 @@ pub(super) fn pick_by_mouse(
     feathers: Res<Assets<Feather>>,
     grooms: Res<Assets<Groom>>,
 ) {
-    let Some(buttons) =
-        buttons.filter(|_| inspector.open && inspector.groom_panel.tool == Tool::Pick)
-    else {
+    let Some(buttons) = buttons.filter(|_| inspector.open && !inspector.takes_drags()) else {
         return;
     };
     if buttons.just_pressed(MouseButton::Left) {
@@ -270,6 +275,20 @@ pub(super) fn pick_by_mouse(
         }
     }
     if let Some((_, picked)) = nearest {
+        // The groom panel shows where it grows.
+        let groom = birds
+            .iter()
+            .find(|(_, worn, _)| worn.owner == picked.bird)
+            .and_then(|(_, worn, _)| {
+                let region = usize::from(worn.cards.get(picked.card)?.region);
+                Some((region, grooms.get(&worn.groom)?.regions.len()))
+            });
+        if let Some((region, regions)) = groom {
+            match region.checked_sub(regions) {
+                Some(row) => inspector.groom_panel.row = row,
+                None => inspector.groom_panel.region = region,
+            }
+        }
         inspector.choose(picked);
     } else {
         inspector.picked = None;

@@ -1,6 +1,9 @@
 //! One feather alone, turned by hand under a light of its own, with its barb lattice and a cursor that reads its coverage.
 
-use super::{draw::Inspector, fields::number};
+use super::{
+    fields::{number, row_of},
+    state::Inspector,
+};
 use crate::{
     anatomy::{Feather, Side, Vane as FeatherVane},
     groom::{Card, CardGeometry, PlumageCards},
@@ -16,9 +19,16 @@ use bevy::{
     },
     mesh::{Indices, PrimitiveTopology},
     prelude::*,
-    render::render_resource::TextureFormat,
+    render::render_resource::{PipelineCache, TextureFormat},
 };
 use bevy_egui::{EguiContexts, EguiTextureHandle, PrimaryEguiContext, egui};
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Duration,
+};
 
 /// The layer that only the preview's camera and light see.
 const LAYER: usize = 30;
@@ -30,6 +40,7 @@ const HEIGHT: f32 = 1.15;
 const MAX_LINES: usize = 160;
 
 const ANGLE: Parameter = Parameter::degrees(-180.0, 180.0);
+const HEIGHT_OF_LIGHT: Parameter = Parameter::degrees(-90.0, 90.0);
 const FOOTPRINT: Parameter = Parameter::new("\u{b5}m", 0.1, 20_000.0).logarithmic();
 
 /// The preview and how it is looked at.
@@ -44,7 +55,26 @@ pub struct Preview {
     /// Standard deviation of the cursor's footprint, micrometres.
     pub footprint_um: f32,
     image: Option<Handle<Image>>,
-    shown: Option<(AssetId<Feather>, f32)>,
+    shown: Option<Shown>,
+    /// What the picture was last drawn for, and what is left of the time it is drawn.
+    drawn: Option<(Vec2, Vec2)>,
+    awake: (u32, Duration),
+}
+
+/// What the card of the preview was made for: feather, its aspect, and the colour that the bird gives it.
+type Shown = (AssetId<Feather>, f32, [f32; 3]);
+
+/// Frames and time that the picture is drawn after a change, and after the last pipeline has been compiled.
+const AWAKE: (u32, Duration) = (4, Duration::from_millis(500));
+
+/// Whether the renderer waits for pipelines; the render world writes it.
+#[derive(Resource, Clone, Debug, Default)]
+pub(super) struct Compiling(Arc<AtomicBool>);
+
+/// Tells the main world about pipelines under way.
+pub(super) fn watch_pipelines(cache: Res<PipelineCache>, compiling: Res<Compiling>) {
+    let waiting = cache.waiting_pipelines().next().is_some();
+    compiling.0.store(waiting, Ordering::Relaxed);
 }
 
 impl Default for Preview {
@@ -56,6 +86,8 @@ impl Default for Preview {
             footprint_um: 100.0,
             image: None,
             shown: None,
+            drawn: None,
+            awake: AWAKE,
         }
     }
 }
@@ -196,15 +228,31 @@ pub(super) fn preview_panel(
     }
     ui.weak("Drag to turn it; a double click turns it back.");
     ui.checkbox(&mut preview.lattice, "barbs over the picture");
-    ui.horizontal(|ui| {
-        ui.label("light from");
-        number(ui, &mut preview.light.x, Some(ANGLE));
-    });
-    ui.horizontal(|ui| {
-        ui.label("footprint")
-            .on_hover_text("Standard deviation of the Gaussian that the cursor reads");
-        number(ui, &mut preview.footprint_um, Some(FOOTPRINT));
-    });
+    for (name, hint, value, parameter) in [
+        (
+            "light from",
+            "Azimuth of the light, 0 in front",
+            &mut preview.light.x,
+            ANGLE,
+        ),
+        (
+            "light above",
+            "Height of the light",
+            &mut preview.light.y,
+            HEIGHT_OF_LIGHT,
+        ),
+        (
+            "footprint",
+            "Standard deviation of the Gaussian that the cursor reads",
+            &mut preview.footprint_um,
+            FOOTPRINT,
+        ),
+    ] {
+        ui.spacing_mut().slider_width = 80.0;
+        row_of(ui, 78.0, 0, name, hint, |ui| {
+            number(ui, value, Some(parameter))
+        });
+    }
     let under = response.hover_pos().and_then(|position| {
         let point = Vec2::new(
             (position.x - rect.left()) / rect.width(),
@@ -264,6 +312,10 @@ pub(super) fn update_preview(
     mut commands: Commands,
     mut preview: ResMut<Preview>,
     inspector: Res<Inspector>,
+    time: Res<Time<Real>>,
+    compiling: Res<Compiling>,
+    mut events: MessageReader<AssetEvent<Feather>>,
+    worn: Query<&PlumageCards, Without<PreviewCard>>,
     server: Res<AssetServer>,
     feathers: Res<Assets<Feather>>,
     images: Option<ResMut<Assets<Image>>>,
@@ -287,9 +339,22 @@ pub(super) fn update_preview(
         spawn_stage(&mut commands, &image);
         preview.image = Some(image);
     }
+    let edited = events.read().any(
+        |event| matches!(event, AssetEvent::Modified { id } if Some(*id) == inspector.feather),
+    );
+    let look = (preview.turn, preview.light);
+    let compiling = compiling.0.load(Ordering::Relaxed);
+    if edited || compiling || preview.drawn != Some(look) {
+        preview.drawn = Some(look);
+        preview.awake = AWAKE;
+    }
+    // Most of the time the picture stays as it is, and costs nothing.
+    let active = inspector.open && preview.awake != (0, Duration::ZERO);
+    preview.awake.0 = preview.awake.0.saturating_sub(1);
+    preview.awake.1 = preview.awake.1.saturating_sub(time.delta());
     for mut camera in &mut cameras {
-        if camera.is_active != inspector.open {
-            camera.is_active = inspector.open;
+        if camera.is_active != active {
+            camera.is_active = active;
         }
     }
     let (azimuth, height) = (preview.light.x.to_radians(), preview.light.y.to_radians());
@@ -307,13 +372,15 @@ pub(super) fn update_preview(
     else {
         return;
     };
-    if preview.shown == Some((id, feather.aspect)) {
+    let shown = (id, feather.aspect, tint_of(&inspector, id, &worn));
+    if preview.shown == Some(shown) {
         return;
     }
     let Some(handle) = server.get_id_handle(id) else {
         return;
     };
-    preview.shown = Some((id, feather.aspect));
+    preview.shown = Some(shown);
+    preview.awake = AWAKE;
     for (entity, _) in &cards {
         commands.entity(entity).despawn();
     }
@@ -328,7 +395,7 @@ pub(super) fn update_preview(
         NoFrustumCulling,
         quality,
         PlumageCards {
-            cards: [card(feather.aspect)].into(),
+            cards: [card(feather.aspect, shown.2)].into(),
             geometry: [CardGeometry {
                 first_vertex: 0,
                 vertex_count: 4,
@@ -339,6 +406,30 @@ pub(super) fn update_preview(
             owner: entity,
         },
     ));
+}
+
+/// The colour that the bird gives a feather: the picked card's, or the first one's that wears it.
+fn tint_of(
+    inspector: &Inspector,
+    id: AssetId<Feather>,
+    worn: &Query<&PlumageCards, Without<PreviewCard>>,
+) -> [f32; 3] {
+    let Some(worn) = worn.iter().find(|worn| Some(worn.owner) == inspector.bird) else {
+        return [0.3; 3];
+    };
+    let wears = |card: &&Card| {
+        worn.feathers
+            .get(usize::from(card.feather))
+            .is_some_and(|feather| feather.id() == id)
+    };
+    inspector
+        .picked
+        .as_ref()
+        .filter(|picked| picked.bird == worn.owner)
+        .and_then(|picked| worn.cards.get(picked.card))
+        .filter(wears)
+        .or_else(|| worn.cards.iter().find(wears))
+        .map_or([0.3; 3], |card| card.tint)
 }
 
 fn spawn_stage(commands: &mut Commands, image: &Handle<Image>) {
@@ -378,7 +469,7 @@ fn spawn_stage(commands: &mut Commands, image: &Handle<Image>) {
     ));
 }
 
-fn card(aspect: f32) -> Card {
+fn card(aspect: f32, tint: [f32; 3]) -> Card {
     Card {
         root: Vec3::NEG_Y * 0.5,
         along: Vec3::Y,
@@ -392,7 +483,7 @@ fn card(aspect: f32) -> Card {
         feather: 0,
         region: 0,
         layer: 0.0,
-        tint: [0.3; 3],
+        tint,
         seed: 1,
         mirrored: false,
     }

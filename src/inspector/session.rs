@@ -9,12 +9,22 @@ use bevy::{
     asset::{Asset, AssetId},
     platform::collections::HashMap,
 };
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+/// How long a list of files is good for.
+const LIST_AGE: Duration = Duration::from_secs(1);
 
 /// Documents of one kind of asset.
 #[derive(Debug)]
 pub struct Session<A: Asset> {
     documents: HashMap<AssetId<A>, Document<A>>,
+    /// When the files of which folder were listed.
+    listed: Option<(Instant, PathBuf)>,
+    /// The document that the bar stands above.
+    barred: Option<AssetId<A>>,
     /// The bar above the panel.
     pub toolbar: Toolbar,
 }
@@ -23,6 +33,8 @@ impl<A: Asset> Default for Session<A> {
     fn default() -> Self {
         Self {
             documents: HashMap::default(),
+            listed: None,
+            barred: None,
             toolbar: Toolbar::default(),
         }
     }
@@ -44,6 +56,29 @@ impl<A: Asset + Editable> Session<A> {
     /// The document of an asset, if it is open.
     pub fn get(&self, id: AssetId<A>) -> Option<&Document<A>> {
         self.documents.get(&id)
+    }
+
+    /// A document that is open, and the bar to draw above it; what the bar said of another document goes.
+    pub fn parts(&mut self, id: AssetId<A>) -> Option<(&Document<A>, &mut Toolbar)> {
+        if self.barred != Some(id) {
+            self.barred = Some(id);
+            self.toolbar.message = None;
+            self.toolbar.asking = false;
+            self.toolbar.comparing = false;
+        }
+        Some((self.documents.get(&id)?, &mut self.toolbar))
+    }
+
+    /// Keeps the list of files to load from up to date.
+    pub fn list(&mut self, folder: &Path) {
+        let fresh = self
+            .listed
+            .as_ref()
+            .is_some_and(|(at, of)| of == folder && at.elapsed() < LIST_AGE);
+        if !fresh {
+            self.toolbar.files = files(folder, A::EXTENSION);
+            self.listed = Some((Instant::now(), folder.to_path_buf()));
+        }
     }
 
     /// Takes an edit in. The error is shown in the bar and nothing changes.
@@ -93,7 +128,13 @@ impl<A: Asset + Editable> Session<A> {
         };
         let bar = &mut self.toolbar;
         bar.message = None;
-        let saved = |path: PathBuf| Some(Ok(format!("Saved {}", path.display())));
+        let short = |path: &Path| {
+            path.file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned()
+        };
+        let saved = |path: PathBuf| Some(Ok(format!("Saved {}", short(&path))));
         match command {
             Command::Undo => drop(document.undo().map(|_| bar.comparing = false)),
             Command::Redo => drop(document.redo().map(|_| bar.comparing = false)),
@@ -120,6 +161,7 @@ impl<A: Asset + Editable> Session<A> {
                 bar.message = match document.save(Some(&file), false) {
                     Ok(path) => saved(path),
                     Err(DocumentError::Conflict(file)) => {
+                        let file = short(Path::new(&file));
                         Some(Err(format!("{file} exists already: choose another name")))
                     }
                     Err(error) => Some(Err(error.to_string())),
@@ -128,7 +170,7 @@ impl<A: Asset + Editable> Session<A> {
             Command::Load(file) => {
                 bar.asking = false;
                 bar.message = match document.load(&file, gesture) {
-                    Ok(_) => Some(Ok(format!("Loaded {}", file.display()))),
+                    Ok(_) => Some(Ok(format!("Loaded {}", short(&file)))),
                     Err(error) => Some(Err(error.to_string())),
                 };
             }

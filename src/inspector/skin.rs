@@ -132,16 +132,25 @@ impl<'a> Vertices<'a> {
             .map_or(Vec3::ZERO, |p| Vec3::from_array(*p))
     }
 
-    /// Position of a vertex in the world.
-    pub fn posed(&self, pose: &Pose, index: u32) -> Vec3 {
+    /// What takes the skin at a vertex from bind pose to the world.
+    pub fn map(&self, pose: &Pose, index: u32) -> Affine3A {
         let i = index as usize;
-        let map = match self.weights {
+        match self.weights {
             Some((joints, weights)) if i < joints.len().min(weights.len()) => {
                 pose.map(joints[i], weights[i])
             }
             _ => pose.map([0; 4], [1.0, 0.0, 0.0, 0.0]),
-        };
-        map.transform_point3(self.bind(index))
+        }
+    }
+
+    /// Position of a vertex in the world.
+    pub fn posed(&self, pose: &Pose, index: u32) -> Vec3 {
+        self.map(pose, index).transform_point3(self.bind(index))
+    }
+
+    /// Positions of all vertices in bind pose.
+    pub fn positions(&self) -> &[[f32; 3]] {
+        self.positions
     }
 }
 

@@ -1,34 +1,73 @@
 //! Strokes on the bird: guides drawn and moved, density and length painted.
 
 use super::{
-    draw::{Inspector, Tab},
+    mirror::MirrorPlane,
     panels::Tool,
     pick::{Pointer, Posed},
     skin::{Hit, Vertices, cast},
+    state::Inspector,
 };
 use crate::groom::{Dab, Groom, Guide, Plumage, PlumageCards, PlumageOutput};
-use bevy::prelude::*;
+use bevy::{
+    platform::collections::HashMap,
+    prelude::*,
+    tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on},
+};
 
 /// Points closer than this share of the stroke's length are left out.
 const SPACING: f32 = 0.02;
+/// How far from each other two points may be that are each other's mirror image, in sizes of the bird.
+const SAME: f32 = 0.004;
 
 /// A stroke under way, in the groom's units and model space.
 #[derive(Default)]
 pub(super) struct Stroke {
-    points: Vec<Vec3>,
-    /// Guide and point being moved.
-    moved: Option<(usize, usize)>,
+    /// The points so far.
+    pub(super) points: Vec<Vec3>,
+    /// What is being moved.
+    moved: Option<Grab>,
+    /// The mirror plane, and the distance at which points count as each other's image.
+    mirror: Option<(MirrorPlane, f32)>,
     gesture: u64,
 }
 
-/// Guide and point of a groom nearest to `place` within `reach`, all in the groom's units.
-pub fn nearest_guide_point(groom: &Groom, place: Vec3, reach: f32) -> Option<(usize, usize)> {
-    let mut best = None;
+/// A point of a guide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grab {
+    /// Index of the guide.
+    pub guide: usize,
+    /// Index of its point.
+    pub point: usize,
+    /// The point's mirror image (x negated) is meant, on the other side of a bird whose guide has the `mirror` flag.
+    pub image: bool,
+}
+
+/// The point of a groom's guides, or its mirror image, nearest to `place` within `reach`, all in the groom's units.
+pub fn nearest_guide_point(groom: &Groom, place: Vec3, reach: f32) -> Option<Grab> {
+    let mut best: Option<(Grab, f32)> = None;
     for (g, guide) in groom.guides.iter().enumerate() {
         for (p, point) in guide.points.iter().enumerate() {
-            let distance = Vec3::from_array(*point).distance(place);
-            if distance <= reach && best.is_none_or(|(_, least)| distance < least) {
-                best = Some(((g, p), distance));
+            let at = Vec3::from_array(*point);
+            let sides: &[bool] = if guide.mirror {
+                &[false, true]
+            } else {
+                &[false]
+            };
+            for &image in sides {
+                let side = if image {
+                    MirrorPlane::MODEL.image(at)
+                } else {
+                    at
+                };
+                let distance = side.distance(place);
+                if distance <= reach && best.is_none_or(|(_, least)| distance < least) {
+                    let grab = Grab {
+                        guide: g,
+                        point: p,
+                        image,
+                    };
+                    best = Some((grab, distance));
+                }
             }
         }
     }
@@ -36,7 +75,7 @@ pub fn nearest_guide_point(groom: &Groom, place: Vec3, reach: f32) -> Option<(us
 }
 
 /// A guide through the points of a stroke, thinned to what bends it; `None` for a stroke without length.
-pub fn guide_through(points: &[Vec3], mirror: bool) -> Option<Guide> {
+pub fn guide_through(points: &[Vec3]) -> Option<Guide> {
     let length: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
     if length.is_nan() || length <= 0.0 {
         return None;
@@ -55,9 +94,71 @@ pub fn guide_through(points: &[Vec3], mirror: bool) -> Option<Guide> {
     }
     Some(Guide {
         points: kept.iter().map(Vec3::to_array).collect(),
-        mirror,
+        mirror: false,
         regions: Vec::new(),
     })
+}
+
+/// Adds a guide, and with a mirror plane its mirror image: by the flag where the plane is that of the flag (x = 0 to within
+/// `tolerance` at the guide), else as a guide of its own. All in the groom's units.
+pub fn add_guide(groom: &mut Groom, mut guide: Guide, mirror: Option<(MirrorPlane, f32)>) {
+    let Some((plane, tolerance)) = mirror else {
+        groom.guides.push(guide);
+        return;
+    };
+    let reach = guide
+        .points
+        .iter()
+        .map(|point| Vec3::from_array(*point).length())
+        .fold(0.0, f32::max);
+    guide.mirror = plane.is_model(reach, tolerance);
+    let image = Guide {
+        points: guide
+            .points
+            .iter()
+            .map(|point| plane.image(Vec3::from_array(*point)).to_array())
+            .collect(),
+        ..guide.clone()
+    };
+    let flagged = guide.mirror;
+    groom.guides.push(guide);
+    if !flagged {
+        groom.guides.push(image);
+    }
+}
+
+/// Moves a point of a guide; with a mirror plane also the same point of the guide that is its mirror image, if there is one.
+pub fn move_point(groom: &mut Groom, grab: Grab, place: Vec3, mirror: Option<(MirrorPlane, f32)>) {
+    let place = if grab.image {
+        MirrorPlane::MODEL.image(place)
+    } else {
+        place
+    };
+    let Some(guide) = groom.guides.get(grab.guide) else {
+        return;
+    };
+    let partner = mirror
+        .filter(|_| !guide.mirror)
+        .and_then(|(plane, tolerance)| {
+            let is_image = |other: &Guide| {
+                other.points.len() == guide.points.len()
+                    && other.points.iter().zip(&guide.points).all(|(a, b)| {
+                        let image = plane.image(Vec3::from_array(*b));
+                        image.distance(Vec3::from_array(*a)) <= tolerance
+                    })
+            };
+            let found = groom.guides.iter().position(is_image)?;
+            Some((found, plane.image(place))).filter(|_| found != grab.guide)
+        });
+    for (guide, place) in [(grab.guide, place)].into_iter().chain(partner) {
+        if let Some(point) = groom
+            .guides
+            .get_mut(guide)
+            .and_then(|guide| guide.points.get_mut(grab.point))
+        {
+            *point = place.to_array();
+        }
+    }
 }
 
 /// Paints: a dab on top of one that lies within a quarter of its radius replaces it.
@@ -70,18 +171,52 @@ pub fn paint(groom: &mut Groom, dab: Dab) {
     groom.paint.push(dab);
 }
 
-/// The place on the skin under the pointer, in the groom's units, and where it is in the world.
-fn place_on_skin(
+/// The place on the skin under the pointer in bind pose, metres, and where it is in the world.
+pub(super) fn place_on_skin(
     ray: Ray3d,
     posed: &Posed,
     mesh: &Mesh3d,
     entity: Entity,
-    unit: f32,
-) -> Option<Vec3> {
+) -> Option<(Vec3, Vec3)> {
     let mesh = posed.meshes.get(mesh)?;
     let hit: Hit = cast(ray, mesh, &posed.pose(entity)?)?;
     let vertices = Vertices::of(mesh)?;
-    Some(hit.blend(|i| vertices.bind(i)) / unit.max(1e-9))
+    Some((hit.blend(|i| vertices.bind(i)), ray.get_point(hit.distance)))
+}
+
+/// Mirror planes of meshes in metres with the size of the mesh, found in the background.
+#[derive(Default)]
+pub(super) struct Planes {
+    found: HashMap<AssetId<Mesh>, Option<(MirrorPlane, f32)>>,
+    search: Option<(AssetId<Mesh>, Task<Option<(MirrorPlane, f32)>>)>,
+}
+
+impl Planes {
+    /// Begins to look for the plane of a mesh.
+    fn look_for(&mut self, id: AssetId<Mesh>, mesh: &Mesh) {
+        let under_way = self.search.as_ref().is_some_and(|(of, _)| *of == id);
+        if under_way || self.found.contains_key(&id) {
+            return;
+        }
+        let points: Vec<Vec3> = Vertices::of(mesh)
+            .map(|vertices| vertices.positions().iter().map(|p| (*p).into()).collect())
+            .unwrap_or_default();
+        let pool = AsyncComputeTaskPool::get_or_init(TaskPool::new);
+        let task = pool.spawn(async move {
+            let plane = MirrorPlane::find(&points)?;
+            let size = points.iter().fold(0.0_f32, |size, p| size.max(p.length()));
+            Some((plane, size))
+        });
+        self.search = Some((id, task));
+    }
+
+    /// The plane of a mesh; waits for it if need be.
+    fn of(&mut self, id: AssetId<Mesh>) -> Option<(MirrorPlane, f32)> {
+        if let Some((of, task)) = self.search.take_if(|(of, _)| *of == id) {
+            self.found.insert(of, block_on(task));
+        }
+        self.found.get(&id).copied().flatten()
+    }
 }
 
 /// Follows a drag on the bird with the tool chosen.
@@ -90,87 +225,117 @@ pub(super) fn stroke_by_mouse(
     pointer: Pointer,
     posed: Posed,
     buttons: Option<Res<ButtonInput<MouseButton>>>,
-    mut stroke: Local<Stroke>,
+    mut planes: Local<Planes>,
     birds: Query<(&Plumage, &PlumageOutput)>,
     parents: Query<&ChildOf, With<PlumageCards>>,
     skins: Query<&Mesh3d, Without<PlumageCards>>,
     grooms: Res<Assets<Groom>>,
 ) {
-    let tool = inspector.groom_panel.tool;
-    if !inspector.open || inspector.tab != Tab::Groom || tool == Tool::Pick {
+    if !inspector.takes_drags() {
         return;
     }
-    let Some(buttons) = buttons else {
-        return;
-    };
+    let tool = inspector.groom_panel.tool;
     let Some((plumage, output)) = inspector.bird.and_then(|bird| birds.get(bird).ok()) else {
         return;
     };
     let id = plumage.groom.id();
-    let Some(unit) = grooms.get(id).map(|groom| groom.unit) else {
+    let Some(unit) = grooms.get(id).map(|groom| groom.unit.max(1e-9)) else {
         return;
     };
-    let place = || {
-        let skin = parents.get(output.0).ok()?.parent();
-        place_on_skin(pointer.ray()?, &posed, skins.get(skin).ok()?, skin, unit)
+    let Some((skin, mesh)) = parents
+        .get(output.0)
+        .ok()
+        .and_then(|child| Some((child.parent(), skins.get(child.parent()).ok()?)))
+    else {
+        return;
     };
+    if let Some(shape) = posed.meshes.get(mesh) {
+        planes.look_for(mesh.id(), shape);
+    }
+    let Some(buttons) = buttons else {
+        return;
+    };
+    let place = || Some(place_on_skin(pointer.ray()?, &posed, mesh, skin)?.0 / unit);
     if buttons.just_pressed(MouseButton::Left) {
-        *stroke = Stroke {
+        inspector.groom_panel.note = None;
+        inspector.stroke = Stroke {
             gesture: inspector.next_gesture(),
             ..Stroke::default()
         };
+        if place().is_some() && inspector.groom_panel.mirror {
+            inspector.stroke.mirror = planes
+                .of(mesh.id())
+                .map(|(plane, size)| (plane.scaled(1.0 / unit), SAME * size / unit));
+            if inspector.stroke.mirror.is_none() {
+                inspector.groom_panel.note =
+                    Some("The bird has no mirror plane: this side only".into());
+            }
+        }
         if tool == Tool::Move
             && let (Some(place), Some(document)) = (place(), inspector.grooms.get(id))
         {
             let reach = inspector.groom_panel.radius;
-            stroke.moved = nearest_guide_point(document.present(), place, reach);
+            inspector.stroke.moved = nearest_guide_point(document.present(), place, reach);
         }
     }
     if buttons.pressed(MouseButton::Left)
         && let Some(place) = place()
     {
-        stroke.points.push(place);
-        apply(&mut inspector, id, tool, &stroke, place);
+        inspector.stroke.points.push(place);
+        apply(&mut inspector, id, tool, place);
     }
     if buttons.just_released(MouseButton::Left) {
+        let stroke = std::mem::take(&mut inspector.stroke);
         if tool == Tool::Draw
-            && let Some(guide) = guide_through(&stroke.points, inspector.groom_panel.mirror)
+            && let Some(guide) = guide_through(&stroke.points)
             && let Some(mut groom) = inspector.grooms.get(id).map(|d| d.present().clone())
         {
-            groom.guides.push(guide);
+            add_guide(&mut groom, guide, stroke.mirror);
             inspector.grooms.edit(id, groom, stroke.gesture);
         }
-        *stroke = Stroke::default();
     }
 }
 
 /// What the tool does at a place while the button is down.
-fn apply(inspector: &mut Inspector, id: AssetId<Groom>, tool: Tool, stroke: &Stroke, place: Vec3) {
+fn apply(inspector: &mut Inspector, id: AssetId<Groom>, tool: Tool, place: Vec3) {
     let Some(mut groom) = inspector.grooms.get(id).map(|d| d.present().clone()) else {
         return;
     };
     let (radius, factor) = (inspector.groom_panel.radius, inspector.groom_panel.factor);
+    let stroke = &inspector.stroke;
     let dab = |density, length| Dab {
         at: place.to_array(),
         radius,
         density,
         length,
     };
-    match (tool, stroke.moved) {
-        (Tool::Density, _) => paint(&mut groom, dab(factor, 1.0)),
-        (Tool::Length, _) => paint(&mut groom, dab(1.0, factor.max(0.05))),
-        (Tool::Move, Some((guide, point))) => {
-            if let Some(point) = groom
-                .guides
-                .get_mut(guide)
-                .and_then(|guide| guide.points.get_mut(point))
-            {
-                *point = place.to_array();
-            }
+    let dab = match (tool, stroke.moved) {
+        (Tool::Density, _) => dab(factor, 1.0),
+        (Tool::Length, _) => dab(1.0, factor.max(0.05)),
+        (Tool::Move, Some(grab)) => {
+            move_point(&mut groom, grab, place, stroke.mirror);
+            let gesture = stroke.gesture;
+            inspector.grooms.edit(id, groom, gesture);
+            return;
         }
         _ => return,
+    };
+    paint(&mut groom, dab);
+    if let Some((plane, _)) = stroke.mirror {
+        let at = plane.image(place);
+        // On the middle line the two are one.
+        if at.distance(place) > 0.25 * radius {
+            paint(
+                &mut groom,
+                Dab {
+                    at: at.to_array(),
+                    ..dab
+                },
+            );
+        }
     }
-    inspector.grooms.edit(id, groom, stroke.gesture);
+    let gesture = stroke.gesture;
+    inspector.grooms.edit(id, groom, gesture);
 }
 
 #[cfg(test)]
@@ -180,10 +345,9 @@ mod tests {
     #[test]
     fn a_stroke_becomes_a_guide() {
         let points: Vec<Vec3> = (0..500).map(|i| Vec3::X * i as f32 * 0.01).collect();
-        let guide = guide_through(&points, true).unwrap();
+        let guide = guide_through(&points).unwrap();
         assert!(guide.points.len() > 10 && guide.points.len() < 60);
-        assert!(guide.mirror);
-        assert_eq!(guide_through(&[Vec3::ONE; 3], false), None);
-        assert_eq!(guide_through(&[Vec3::ONE], false), None);
+        assert_eq!(guide_through(&[Vec3::ONE; 3]), None);
+        assert_eq!(guide_through(&[Vec3::ONE]), None);
     }
 }

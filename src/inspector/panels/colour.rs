@@ -2,13 +2,14 @@
 
 use crate::{
     anatomy::Pattern,
-    inspector::fields::{colour, number},
+    inspector::fields::{NAMES, colour, number, row, row_of},
     parameter::Parameter,
 };
 use bevy_egui::egui;
 
 const SHARE: Parameter = Parameter::share();
 const BARS: Parameter = Parameter::new("", 0.0, 200.0);
+const TINT: &str = "How far the groom's colour of the region takes its place";
 /// Most colour stops of a pattern.
 const MAX_STOPS: usize = 16;
 
@@ -50,24 +51,22 @@ pub fn pattern_editor(ui: &mut egui::Ui, id: &str, pattern: &mut Pattern) -> boo
     }
     // A stop that is dragged past another one changes places with it.
     pattern.stops.sort_by(|a, b| a.0.total_cmp(&b.0));
-    changed |= optional(ui, "Rim", &mut pattern.rim, (0.2, [0.2; 3], 0.0));
+    changed |= optional(ui, "rim", &mut pattern.rim, (0.2, [0.2; 3], 0.0));
     if let Some((width, rgb, tint)) = &mut pattern.rim {
-        ui.horizontal(|ui| {
-            changed |= labelled(ui, "width", |ui| share(ui, width));
-            changed |= colour(ui, rgb);
-            changed |= labelled(ui, "tint", |ui| share(ui, tint));
-        });
+        let hint = "As a share of the half width";
+        changed |= inner(ui, "width", hint, |ui| number(ui, width, Some(SHARE)));
+        changed |= inner(ui, "colour", "", |ui| colour(ui, rgb));
+        changed |= inner(ui, "groom's tint", TINT, |ui| number(ui, tint, Some(SHARE)));
     }
-    changed |= optional(ui, "Bars", &mut pattern.bars, (8.0, [0.2; 3], 0.4, 0.3));
-    if let Some((count, rgb, share_, waviness)) = &mut pattern.bars {
-        changed |= labelled(ui, "count", |ui| number(ui, count, Some(BARS)));
-        ui.horizontal(|ui| {
-            changed |= colour(ui, rgb);
-            changed |= labelled(ui, "share", |ui| share(ui, share_));
-            changed |= labelled(ui, "waviness", |ui| share(ui, waviness));
-        });
+    changed |= optional(ui, "bars", &mut pattern.bars, (8.0, [0.2; 3], 0.4, 0.3));
+    if let Some((count, rgb, filled, waviness)) = &mut pattern.bars {
+        changed |= inner(ui, "count", "", |ui| number(ui, count, Some(BARS)));
+        changed |= inner(ui, "colour", "", |ui| colour(ui, rgb));
+        let hint = "Of the period that they fill";
+        changed |= inner(ui, "share", hint, |ui| number(ui, filled, Some(SHARE)));
+        changed |= inner(ui, "waviness", "", |ui| number(ui, waviness, Some(SHARE)));
     }
-    changed |= labelled(ui, "mottle", |ui| {
+    changed |= row(ui, "mottle", "Amplitude of the fine mottling", |ui| {
         number(ui, &mut pattern.mottle, Some(SHARE))
     });
     changed
@@ -84,17 +83,19 @@ fn share(ui: &mut egui::Ui, value: &mut f32) -> bool {
     .changed()
 }
 
-fn labelled(ui: &mut egui::Ui, label: &str, widget: impl FnOnce(&mut egui::Ui) -> bool) -> bool {
-    ui.horizontal(|ui| {
-        ui.label(label);
-        widget(ui)
-    })
-    .inner
+/// A row that belongs to the one above.
+fn inner(
+    ui: &mut egui::Ui,
+    name: &str,
+    hint: &str,
+    widget: impl FnOnce(&mut egui::Ui) -> bool,
+) -> bool {
+    row_of(ui, NAMES, 1, name, hint, widget)
 }
 
-fn optional<T>(ui: &mut egui::Ui, label: &str, value: &mut Option<T>, first: T) -> bool {
+fn optional<T>(ui: &mut egui::Ui, name: &str, value: &mut Option<T>, first: T) -> bool {
     let mut there = value.is_some();
-    let changed = ui.checkbox(&mut there, label).changed();
+    let changed = row(ui, name, "", |ui| ui.checkbox(&mut there, "").changed());
     if changed {
         *value = there.then_some(first);
     }

@@ -3,7 +3,7 @@
 use super::{lobe_plot, pattern_editor};
 use crate::{
     anatomy::Feather,
-    inspector::fields::{Fields, number},
+    inspector::fields::{Fields, number, row},
     parameter::Parameter,
     scattering::Fibre,
 };
@@ -82,9 +82,7 @@ pub fn feather_panel(
             changed |= fields.edit_field(ui, feather, name);
         }
         changed |= fields.edit_field(ui, &mut feather.contour, "start");
-        ui.horizontal(|ui| {
-            ui.label("rachis radius")
-                .on_hover_text("r_r at base, middle and tip");
+        row(ui, "rachis radius", "r_r at base, middle and tip", |ui| {
             for radius in &mut feather.rachis.radius_mm {
                 changed |= ui
                     .add(
@@ -122,6 +120,7 @@ pub fn feather_panel(
     });
     section(ui, "Colour, front", false, |ui| {
         changed |= pattern_editor(ui, "front", &mut feather.albedo.front);
+        ui.add_space(4.0);
         ui.label("Share of the painted colour");
         changed |= fields.edit(ui, "share", &mut feather.albedo.share);
     });
@@ -151,9 +150,8 @@ pub fn feather_panel(
         let albedo = colour.map_or([0.5; 3], |stop| {
             stop.1.map(|c| (c.powf(2.2) * share).min(0.98))
         });
-        ui.horizontal(|ui| {
-            ui.label("eye")
-                .on_hover_text("Inclination of the eye along the fibre in the plot");
+        let hint = "Inclination of the eye along the fibre in the plot";
+        row(ui, "eye", hint, |ui| {
             number(ui, &mut panel.eye, Some(EYE));
         });
         lobe_plot(
@@ -162,6 +160,7 @@ pub fn feather_panel(
             albedo,
             panel.eye.to_radians(),
         );
+        ui.add_space(4.0);
         ui.label("Sheen");
         changed |= fields.edit(ui, "sheen", &mut feather.optics.sheen);
     });

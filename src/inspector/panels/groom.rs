@@ -2,8 +2,8 @@
 
 use super::feather::section;
 use crate::{
-    groom::Groom,
-    inspector::fields::{Fields, number},
+    groom::{Groom, Plumage, PlumageState},
+    inspector::fields::{Fields, number, row},
     parameter::Parameter,
 };
 use bevy_egui::egui;
@@ -56,7 +56,7 @@ impl Tool {
 pub struct GroomPanel {
     /// What a drag on the bird does.
     pub tool: Tool,
-    /// New guides are repeated on the other side.
+    /// What a tool does is repeated as its mirror image on the other side of the bird.
     pub mirror: bool,
     /// Factor that the brush paints.
     pub factor: f32,
@@ -66,6 +66,8 @@ pub struct GroomPanel {
     pub region: usize,
     /// Row shown.
     pub row: usize,
+    /// What the last stroke could not do.
+    pub note: Option<String>,
 }
 
 impl Default for GroomPanel {
@@ -77,11 +79,38 @@ impl Default for GroomPanel {
             radius: 20.0,
             region: 0,
             row: 0,
+            note: None,
         }
     }
 }
 
 const FACTOR: Parameter = Parameter::new("", 0.0, 4.0);
+const DENSITY: Parameter = Parameter::new("", 0.01, 16.0).logarithmic();
+
+/// The bird as a whole: number of feathers and seed; whether `plumage` changed.
+pub fn plumage_panel(ui: &mut egui::Ui, plumage: &mut Plumage, state: &PlumageState) -> bool {
+    let mut changed = false;
+    section(ui, "Bird", true, |ui| {
+        let hint = "Number of scattered feathers relative to the groom's own; their size follows, so that cover stays";
+        changed |= row(ui, "density", hint, |ui| {
+            number(ui, &mut plumage.density, Some(DENSITY))
+        });
+        changed |= row(ui, "seed", "The same seed gives the same bird", |ui| {
+            ui.add(egui::DragValue::new(&mut plumage.seed)).changed()
+        });
+        if let Some(error) = &state.error {
+            ui.colored_label(ui.visuals().error_fg_color, error);
+        } else if state.is_ready() {
+            ui.weak(format!("{} feathers", state.cards));
+        } else {
+            ui.horizontal(|ui| {
+                ui.add(egui::Spinner::new().size(14.0));
+                ui.weak("growing feathers in the background");
+            });
+        }
+    });
+    changed
+}
 
 /// Draws the widgets of a groom; whether `groom` changed.
 pub fn groom_panel(
@@ -98,58 +127,145 @@ pub fn groom_panel(
                     .on_hover_text(hint);
             }
         });
-        match panel.tool {
-            Tool::Draw | Tool::Move => {
-                ui.checkbox(&mut panel.mirror, "mirror new guides");
-            }
-            Tool::Density | Tool::Length => {
-                ui.horizontal(|ui| {
-                    ui.label("factor");
-                    number(ui, &mut panel.factor, Some(FACTOR));
-                });
-                ui.horizontal(|ui| {
-                    ui.label("radius");
-                    ui.add(
-                        egui::DragValue::new(&mut panel.radius)
-                            .range(1.0e-3..=1.0e6)
-                            .speed(0.2),
-                    );
-                    ui.label("groom units");
-                });
-            }
-            Tool::Pick => {}
+        if panel.tool != Tool::Pick {
+            ui.checkbox(&mut panel.mirror, "mirror on the other side of the bird");
         }
-        ui.label(format!("{} guides", groom.guides.len()));
-        if panel.tool == Tool::Draw
-            && ui
-                .add_enabled(
-                    !groom.guides.is_empty(),
-                    egui::Button::new("Remove last guide"),
-                )
-                .clicked()
-        {
-            groom.guides.pop();
-            changed = true;
+        if matches!(panel.tool, Tool::Density | Tool::Length) {
+            let hint = "What the brush multiplies by in its middle";
+            row(ui, "factor", hint, |ui| {
+                number(ui, &mut panel.factor, Some(FACTOR));
+            });
         }
+        if matches!(panel.tool, Tool::Density | Tool::Length | Tool::Move) {
+            row(ui, "radius", "Where the brush ends", |ui| {
+                ui.add(
+                    egui::DragValue::new(&mut panel.radius)
+                        .range(1.0e-3..=1.0e6)
+                        .max_decimals(2)
+                        .speed(0.2)
+                        .suffix(format!(" {}", unit_of(groom.unit))),
+                );
+            });
+        }
+        let hint = Tool::ALL
+            .iter()
+            .find(|(tool, ..)| *tool == panel.tool)
+            .map_or("", |(.., hint)| hint);
+        ui.weak(hint);
+        if panel.tool != Tool::Pick {
+            ui.weak("The right button turns the view.");
+        }
+        if let Some(note) = &panel.note {
+            ui.colored_label(ui.visuals().warn_fg_color, note);
+        }
+        ui.horizontal(|ui| {
+            ui.label(format!(
+                "{} guides, {} dabs",
+                groom.guides.len(),
+                groom.paint.len()
+            ));
+            let remove = |ui: &mut egui::Ui, there: bool, text: &str| {
+                ui.add_enabled(there, egui::Button::new(text)).clicked()
+            };
+            if panel.tool == Tool::Draw && remove(ui, !groom.guides.is_empty(), "Remove last guide")
+            {
+                groom.guides.pop();
+                changed = true;
+            }
+            if matches!(panel.tool, Tool::Density | Tool::Length)
+                && remove(ui, !groom.paint.is_empty(), "Remove all paint")
+            {
+                groom.paint.clear();
+                changed = true;
+            }
+        });
     });
+    let measure = Parameter::new(unit_of(groom.unit), 1.0e-6, 1.0e6);
+    let offset = Parameter::new(measure.unit, -1.0e3, 1.0e3);
+    let feathers = groom.feathers.clone();
     section(ui, "Regions", true, |ui| {
         let names = groom.regions.iter().map(|region| region.name.as_str());
-        choose(ui, "region", &mut panel.region, names);
+        row(ui, "region", "A tract of scattered feathers", |ui| {
+            choose(ui, "region", &mut panel.region, names);
+        });
+        let Some(region) = groom.regions.get_mut(panel.region) else {
+            return;
+        };
+        changed |= worn(ui, "region feather", &mut region.feather, &feathers);
+        changed |= fields.edit_field(ui, region, "count");
+        for name in ["length", "width"] {
+            changed |= fields.edit_field_as(ui, region, name, Some(measure));
+        }
+        for name in [
+            "lift",
+            "camber",
+            "curl",
+            "stiffness",
+            "layer",
+            "tint",
+            "placement",
+            "segments",
+            "select",
+            "name",
+        ] {
+            changed |= fields.edit_field(ui, region, name);
+        }
+        ui.weak("\u{201c}to\u{201d}: from the head end to the tail end");
+    });
+    section(ui, "Random variation of the region", false, |ui| {
         if let Some(region) = groom.regions.get_mut(panel.region) {
-            changed |= fields.edit(ui, "region fields", region);
+            changed |= fields.edit(ui, "region jitter", &mut region.jitter);
         }
     });
     section(ui, "Rows", false, |ui| {
         let names = groom.rows.iter().map(|row| row.name.as_str());
-        choose(ui, "row", &mut panel.row, names);
-        if let Some(row) = groom.rows.get_mut(panel.row) {
-            for name in [
-                "width", "lift", "camber", "curl", "layer", "offset", "tint", "jitter",
-            ] {
-                changed |= fields.edit_field(ui, row, name);
-            }
+        row(ui, "row", "A row of feathers on bones", |ui| {
+            choose(ui, "row", &mut panel.row, names);
+        });
+        let Some(row) = groom.rows.get_mut(panel.row) else {
+            return;
+        };
+        changed |= worn(ui, "row feather", &mut row.feather, &feathers);
+        changed |= fields.edit_field_as(ui, row, "width", Some(measure));
+        for name in ["lift", "camber", "curl", "layer"] {
+            changed |= fields.edit_field(ui, row, name);
+        }
+        changed |= fields.edit_field_as(ui, row, "offset", Some(offset));
+        for name in ["tint", "segments"] {
+            changed |= fields.edit_field(ui, row, name);
         }
     });
+    section(ui, "Random variation of the row", false, |ui| {
+        if let Some(row) = groom.rows.get_mut(panel.row) {
+            changed |= fields.edit(ui, "row jitter", &mut row.jitter);
+        }
+    });
+    changed
+}
+
+/// The unit of a groom.
+fn unit_of(metres: f32) -> &'static str {
+    match metres {
+        1.0 => "m",
+        0.01 => "cm",
+        0.001 => "mm",
+        _ => "units",
+    }
+}
+
+/// The feather that a region or row wears, by the names of the files.
+fn worn(ui: &mut egui::Ui, id: &str, feather: &mut u16, files: &[String]) -> bool {
+    let name = |file: &str| {
+        let file = file.rsplit('/').next().unwrap_or(file);
+        file.split('.').next().unwrap_or(file).to_owned()
+    };
+    let mut chosen = usize::from(*feather);
+    row(ui, "feather", "Feather worn", |ui| {
+        let names: Vec<String> = files.iter().map(|file| name(file)).collect();
+        choose(ui, id, &mut chosen, names.iter().map(String::as_str));
+    });
+    let changed = chosen != usize::from(*feather);
+    *feather = u16::try_from(chosen).unwrap_or(*feather);
     changed
 }
 
@@ -162,6 +278,7 @@ fn choose<'a>(
     let shown = names.clone().nth(*selected).unwrap_or("none");
     egui::ComboBox::from_id_salt(id)
         .selected_text(shown)
+        .height(400.0)
         .show_ui(ui, |ui| {
             for (i, name) in names.enumerate() {
                 ui.selectable_value(selected, i, name);

@@ -10,7 +10,7 @@ mod toolbar;
 
 pub use colour::pattern_editor;
 pub use feather::{FeatherPanel, Part, feather_panel};
-pub use groom::{GroomPanel, Tool, groom_panel};
+pub use groom::{GroomPanel, Tool, groom_panel, plumage_panel};
 pub use lobes::lobe_plot;
 pub use quality::quality_panel;
 pub use statistics::{Sample, Statistics, statistics_panel};

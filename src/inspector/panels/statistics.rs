@@ -2,7 +2,7 @@
 
 use crate::render::{CARD_COUNTERS, PlumageMemory};
 use bevy_egui::egui;
-use egui_plot::{Legend, Line, Plot, PlotPoints};
+use egui_plot::{Line, Plot, PlotPoints};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Frames that the plot remembers.
@@ -50,7 +50,20 @@ impl Statistics {
         for (name, value) in &sample.passes {
             keep(self.passes.entry(name.clone()).or_default(), *value);
         }
-        self.now = sample;
+        // A frame in which no camera looked at a bird says nothing of its cards.
+        let cards = match sample.cards.iter().all(|count| *count == 0) && sample.feathers > 0 {
+            true => self.now.cards,
+            false => sample.cards,
+        };
+        self.now = Sample { cards, ..sample };
+    }
+
+    /// The passes that took most time over the last frames, at most three.
+    fn dearest(&self) -> impl Iterator<Item = (&String, &VecDeque<f64>)> {
+        let mut passes: Vec<_> = self.passes.iter().collect();
+        let sum = |line: &VecDeque<f64>| line.iter().sum::<f64>();
+        passes.sort_by(|a, b| sum(b.1).total_cmp(&sum(a.1)));
+        passes.into_iter().take(3)
     }
 
     /// The last frame.
@@ -61,6 +74,40 @@ impl Statistics {
 
 /// Draws the numbers and the plot.
 pub fn statistics_panel(ui: &mut egui::Ui, statistics: &Statistics) {
+    ui.label(format!("Milliseconds per frame, last {FRAMES} frames"));
+    let colours = [
+        egui::Color32::from_rgb(235, 235, 235),
+        egui::Color32::from_rgb(240, 120, 90),
+        egui::Color32::from_rgb(110, 200, 110),
+        egui::Color32::from_rgb(110, 160, 250),
+    ];
+    let frame = "frame".to_owned();
+    let lines: Vec<_> = std::iter::once((&frame, &statistics.frame))
+        .chain(statistics.dearest())
+        .zip(colours)
+        .collect();
+    Plot::new("times")
+        .height(170.0)
+        .include_y(0.0)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .show(ui, |plot| {
+            for ((name, values), colour) in &lines {
+                let points: Vec<[f64; 2]> = values
+                    .iter()
+                    .enumerate()
+                    .map(|(i, ms)| [i as f64, *ms])
+                    .collect();
+                plot.line(Line::new((*name).clone(), PlotPoints::from(points)).color(*colour));
+            }
+        });
+    ui.horizontal_wrapped(|ui| {
+        for ((name, _), colour) in &lines {
+            ui.colored_label(*colour, format!("\u{25a0} {}", name.replace('_', " ")));
+        }
+    });
+    ui.separator();
     let now = statistics.now();
     egui::Grid::new("counters").num_columns(2).show(ui, |ui| {
         let mut row = |name: &str, value: String| {
@@ -76,7 +123,7 @@ pub fn statistics_panel(ui: &mut egui::Ui, statistics: &Statistics) {
         }
         row("frame", format!("{:.2} ms", now.frame_ms));
         for (name, ms) in &now.passes {
-            row(name, format!("{ms:.3} ms GPU"));
+            row(&name.replace('_', " "), format!("{ms:.3} ms GPU"));
         }
         let memory = now.memory;
         for (name, bytes) in [
@@ -92,27 +139,4 @@ pub fn statistics_panel(ui: &mut egui::Ui, statistics: &Statistics) {
     for error in &now.errors {
         ui.colored_label(ui.visuals().error_fg_color, error);
     }
-    ui.separator();
-    ui.label("Milliseconds over the last frames");
-    let line = |name: &str, values: &VecDeque<f64>| {
-        let points: Vec<[f64; 2]> = values
-            .iter()
-            .enumerate()
-            .map(|(i, ms)| [i as f64, *ms])
-            .collect();
-        Line::new(name.to_owned(), PlotPoints::from(points))
-    };
-    Plot::new("times")
-        .height(140.0)
-        .include_y(0.0)
-        .legend(Legend::default())
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .show(ui, |plot| {
-            plot.line(line("frame", &statistics.frame));
-            for (name, values) in &statistics.passes {
-                plot.line(line(name, values));
-            }
-        });
 }

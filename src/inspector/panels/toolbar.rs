@@ -22,12 +22,12 @@ pub struct Toolbar {
     pub message: Option<Result<String, String>>,
 }
 
-/// Draws the bar; what was asked for, if anything.
+/// Draws the bar; what was asked for, if anything. `reset` says what "Reset" goes back to, if it can.
 pub fn toolbar<T: Editable>(
     ui: &mut egui::Ui,
     bar: &mut Toolbar,
     document: &Document<T>,
-    can_reset: bool,
+    reset: Option<&str>,
 ) -> Option<Command> {
     let mut command = None;
     let (back, forth) = document.depth();
@@ -57,9 +57,9 @@ pub fn toolbar<T: Editable>(
         );
         button(
             ui,
-            can_reset,
+            reset.is_some(),
             "Reset",
-            "Back to the preset of this name".into(),
+            reset.unwrap_or_default().into(),
             Command::Reset,
         );
         let hint = "Hold C: the state last saved";
@@ -78,7 +78,8 @@ pub fn toolbar<T: Editable>(
             "Save *"
         } else {
             "Save"
-        });
+        })
+        .min_size(egui::vec2(50.0, 0.0));
         if ui
             .add_enabled(document.file().is_some(), save)
             .on_hover_text(document.file().map_or_else(
@@ -142,7 +143,17 @@ pub fn toolbar<T: Editable>(
         Some(Err(text)) => {
             ui.colored_label(ui.visuals().error_fg_color, text);
         }
-        None => {}
+        // The line stays, so that nothing below moves under the pointer.
+        None if document.is_changed() => {
+            ui.weak("Not saved");
+        }
+        None => {
+            ui.weak(if document.file().is_some() {
+                "As in its file"
+            } else {
+                "It has no file yet"
+            });
+        }
     }
     ui.separator();
     command

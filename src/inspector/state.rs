@@ -1,0 +1,174 @@
+//! What the inspector remembers, and what it reads from the app every frame.
+
+use super::{
+    fields::Fields,
+    panels::{FeatherPanel, GroomPanel, Sample, Statistics, Tool},
+    pick::Picked,
+    preview::PreviewCard,
+    session::Session,
+    stroke::Stroke,
+};
+use crate::{
+    anatomy::Feather,
+    groom::{Groom, Plumage, PlumageCards, PlumageState},
+    render::{CARD_COUNTERS, PlumageMemory},
+};
+use bevy::{diagnostic::DiagnosticsStore, prelude::*};
+use std::path::PathBuf;
+
+/// Which panel is shown on the left.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tab {
+    /// One feather.
+    #[default]
+    Feather,
+    /// The groom of the bird.
+    Groom,
+    /// Error budget, transparency, debug view.
+    Quality,
+    /// Counters, times, memory.
+    Statistics,
+}
+
+/// The state of the inspector.
+#[derive(Resource)]
+pub struct Inspector {
+    /// Shown at all (F12).
+    pub open: bool,
+    /// The panel shown.
+    pub tab: Tab,
+    /// The bird edited.
+    pub bird: Option<Entity>,
+    /// The feather edited.
+    pub feather: Option<AssetId<Feather>>,
+    /// The feather picked last.
+    pub picked: Option<Picked>,
+    /// Feathers that are open.
+    pub feathers: Session<Feather>,
+    /// Grooms that are open.
+    pub grooms: Session<Groom>,
+    /// The feather panel.
+    pub feather_panel: FeatherPanel,
+    /// The groom panel.
+    pub groom_panel: GroomPanel,
+    /// The last frames.
+    pub statistics: Statistics,
+    /// Photographs that become feathers.
+    #[cfg(feature = "extract")]
+    pub photos: super::photo::Photos,
+    pub(super) fields: Fields,
+    pub(super) assets: PathBuf,
+    pub(super) gesture: u64,
+    /// The pointer was let go in the last frame.
+    pub(super) released: bool,
+    /// A drag on the bird under way.
+    pub(super) stroke: Stroke,
+    /// A plumage that waits for the pointer to be let go: each is a build.
+    pub(super) pending: Option<(Entity, Plumage)>,
+}
+
+impl Inspector {
+    pub(super) fn new(assets: PathBuf) -> Self {
+        Self {
+            open: true,
+            tab: Tab::Feather,
+            bird: None,
+            feather: None,
+            picked: None,
+            feathers: Session::default(),
+            grooms: Session::default(),
+            feather_panel: FeatherPanel::default(),
+            groom_panel: GroomPanel::default(),
+            statistics: Statistics::default(),
+            #[cfg(feature = "extract")]
+            photos: super::photo::Photos::default(),
+            fields: Fields::default(),
+            assets,
+            gesture: 0,
+            released: false,
+            stroke: Stroke::default(),
+            pending: None,
+        }
+    }
+
+    /// Shows a feather picked on a bird.
+    pub fn choose(&mut self, picked: Picked) {
+        self.bird = Some(picked.bird);
+        self.feather = Some(picked.feather);
+        self.picked = Some(picked);
+    }
+
+    /// Whether a drag on the bird belongs to a tool, so that it should not turn the camera.
+    pub fn takes_drags(&self) -> bool {
+        self.open && self.tab == Tab::Groom && self.groom_panel.tool != Tool::Pick
+    }
+
+    /// A number for a new step of the history.
+    pub fn next_gesture(&mut self) -> u64 {
+        self.gesture += 1;
+        self.gesture
+    }
+}
+
+/// Collects what the statistics panel shows.
+pub(super) fn measure(
+    mut inspector: ResMut<Inspector>,
+    store: Option<Res<DiagnosticsStore>>,
+    memory: Option<Res<PlumageMemory>>,
+    time: Res<Time<Real>>,
+    states: Query<&PlumageState>,
+    cards: Query<&PlumageCards, Without<PreviewCard>>,
+) {
+    let mut sample = Sample {
+        frame_ms: time.delta_secs_f64() * 1e3,
+        memory: memory.map_or_else(PlumageMemory::default, |memory| *memory),
+        feathers: cards.iter().map(|worn| worn.cards.len() as u64).sum(),
+        ..Sample::default()
+    };
+    for state in &states {
+        sample.triangles += u64::from(state.triangles);
+        sample.groom_ms = sample.groom_ms.max(state.groom_ms);
+        sample.errors.extend(state.error.clone());
+    }
+    for diagnostic in store.iter().flat_map(|store| store.iter()) {
+        let path = diagnostic.path().as_str();
+        if let Some(name) = path.strip_prefix("render/feather_cards_") {
+            if let Some(i) = CARD_COUNTERS.iter().position(|known| *known == name) {
+                sample.cards[i] = diagnostic.value().unwrap_or(0.0) as u64;
+            }
+        } else if let Some(name) = path
+            .strip_prefix("render/")
+            .and_then(|path| path.strip_suffix("/elapsed_gpu"))
+            && let Some(ms) = diagnostic.smoothed()
+        {
+            sample.passes.push((name.to_owned(), ms));
+        }
+    }
+    inspector.statistics.push(sample);
+}
+
+/// Takes files that were written outside into the histories.
+pub(super) fn follow_files(
+    mut inspector: ResMut<Inspector>,
+    mut feather_events: MessageReader<AssetEvent<Feather>>,
+    mut groom_events: MessageReader<AssetEvent<Groom>>,
+    feathers: Res<Assets<Feather>>,
+    grooms: Res<Assets<Groom>>,
+) {
+    for event in feather_events.read() {
+        if let AssetEvent::Modified { id } = event
+            && let Some(feather) = feathers.get(*id)
+        {
+            let gesture = inspector.next_gesture();
+            inspector.feathers.changed_outside(*id, feather, gesture);
+        }
+    }
+    for event in groom_events.read() {
+        if let AssetEvent::Modified { id } = event
+            && let Some(groom) = grooms.get(*id)
+        {
+            let gesture = inspector.next_gesture();
+            inspector.grooms.changed_outside(*id, groom, gesture);
+        }
+    }
+}
