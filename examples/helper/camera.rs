@@ -94,7 +94,8 @@ fn spawn_camera(
         Orbit {
             target: framing.target,
         },
-        sky.bundle(),
+        // Against the light it is evening: the rim is brighter than the sky.
+        sky.bundle(if args.backlight { 0.1 } else { 1.0 }),
     ));
     if args.transparency == Some(Transparency::OrderIndependent) {
         camera.insert(OrderIndependentTransparencySettings::default());

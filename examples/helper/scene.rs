@@ -45,19 +45,19 @@ impl FromWorld for Sky {
 }
 
 impl Sky {
-    /// What the camera wears to see and be lit by the sky.
-    pub fn bundle(&self) -> impl Bundle {
+    /// What the camera wears to see and be lit by the sky; `brightness` relative to a day's.
+    pub fn bundle(&self, brightness: f32) -> impl Bundle {
         (
             Tonemapping::AcesFitted,
             EnvironmentMapLight {
                 diffuse_map: self.diffuse.clone(),
                 specular_map: self.specular.clone(),
-                intensity: 2100.0,
+                intensity: 2100.0 * brightness,
                 ..default()
             },
             Skybox {
                 image: Some(self.specular.clone()),
-                brightness: 2600.0,
+                brightness: 2600.0 * brightness,
                 ..default()
             },
         )
@@ -65,14 +65,14 @@ impl Sky {
 }
 
 fn spawn_light(mut commands: Commands, args: Res<Args>) {
-    let sun = if args.backlight {
-        Vec3::new(0.5, 1.1, -2.2)
+    let (sun, illuminance) = if args.backlight {
+        (Vec3::new(1.0, 0.9, -2.2), 60_000.0)
     } else {
-        Vec3::new(0.7, 1.9, 1.9)
+        (Vec3::new(0.7, 1.9, 1.9), 23_000.0)
     };
     commands.spawn((
         DirectionalLight {
-            illuminance: 23_000.0,
+            illuminance,
             color: Color::srgb(1.0, 0.95, 0.87),
             shadow_maps_enabled: !args.lean,
             shadow_normal_bias: 0.6,
