@@ -22,8 +22,6 @@ const NOISE: f32 = 0.004;
 pub(super) struct Cusp {
     /// How well a vertical cut through each pixel parts the two directions in its row, -1..1; 0 where nothing slopes.
     pub map: Plane,
-    /// Barbs point to the top (positive) or the bottom of the view; size 0..1.
-    pub upward: f32,
 }
 
 /// Parts the slopes of an upright view. `distance` is that to the outline, `main` the feather's direction in each row.
@@ -49,7 +47,6 @@ pub(super) fn cusp(lab: &Lab, distance: &Plane, main: &[Vec2]) -> Cusp {
     let (slope, weight) = (slope.blur_down(sigma), weight.blur_down(sigma));
     let mut map = Plane::new(width, height, 0.0);
     let mut best = [0.0f32; 2];
-    let mut rows = 0.0f32;
     for y in 0..height {
         let row = y * width..(y + 1) * width;
         let total: f32 = slope.data[row.clone()].iter().sum();
@@ -67,12 +64,10 @@ pub(super) fn cusp(lab: &Lab, distance: &Plane, main: &[Vec2]) -> Cusp {
             map.data[i] = value;
         }
         best = [best[0] - low, best[1] + high];
-        rows += 1.0;
     }
     let sign = if best[0] > best[1] { -1.0 } else { 1.0 };
     Cusp {
         map: map.map(|value| value * sign),
-        upward: (best[1] - best[0]) / rows.max(1.0),
     }
 }
 

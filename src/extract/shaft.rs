@@ -31,8 +31,6 @@ pub(super) struct Shaft {
     pub rows: (usize, usize),
     /// Share of the rows where it is plainly the shaft, see [`evident`].
     pub clear: f32,
-    /// Barbs point to the top (positive) or the bottom of the view, see [`Cusp`].
-    pub upward: f32,
     /// Sharpest turn within a tenth of its length, radians.
     pub kink: f32,
 }
@@ -240,7 +238,6 @@ pub(super) fn shaft(map: &Score, cusp: &Cusp) -> Option<Shaft> {
         x,
         rows: (first, last),
         clear,
-        upward: cusp.upward,
         kink,
     })
 }

@@ -283,7 +283,11 @@ pub(super) fn silhouette(
             reason: "no background around it".to_owned(),
         });
     }
-    let rivals = found.others.iter().filter(|&&share| share > 0.3).count();
+    let mut rivals = found.others.iter().filter(|&&share| share > 0.3).count();
+    if rivals > 0 && !by_alpha {
+        // A seam of the table, or a bare shaft that it cuts off, is large beside a small vane, but thin.
+        rivals = rivals.min(bodies(&found.loose).saturating_sub(1));
+    }
     let count = rivals + bodies(&found.mask);
     if count > 1 {
         return Err(ExtractError::SeveralObjects { count });
@@ -418,7 +422,7 @@ fn judge(
     }
     let ragged = outline::raggedness(outline_points, 0.02);
     if ragged > RAGGED {
-        trust.doubt(Doubt::Ragged(ragged), (RAGGED / ragged).powi(8).max(0.3));
+        trust.doubt(Doubt::Ragged(ragged), (RAGGED / ragged).powi(8).max(0.5));
     }
     let margin = 1.5 * view.scale.max(1.0);
     let touching = outline_points
