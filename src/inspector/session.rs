@@ -93,15 +93,17 @@ impl<A: Asset + Editable> Session<A> {
             .map(|error| Err(error.to_string()));
     }
 
-    /// The asset has changed from outside (its file was written): a step in the history.
-    pub fn changed_outside(&mut self, id: AssetId<A>, value: &A, gesture: u64) {
+    /// The asset has changed: if from outside (its file was written), it is a step in the history; whether it was.
+    pub fn changed_outside(&mut self, id: AssetId<A>, value: &A, gesture: u64) -> bool {
         let Some(document) = self.documents.get_mut(&id) else {
-            return;
+            return false;
         };
-        if document.present() != value && document.saved() != value {
+        let outside = document.present() != value && document.saved() != value;
+        if outside {
             document.reloaded(value.clone(), gesture);
             self.toolbar.message = Some(Ok("Loaded anew: the file has changed".into()));
         }
+        outside
     }
 
     /// What the asset should hold now: the present state, or the saved one while comparing.
@@ -171,7 +173,11 @@ impl<A: Asset + Editable> Session<A> {
                 bar.asking = false;
                 bar.message = match document.load(&file, gesture) {
                     Ok(_) => Some(Ok(format!("Loaded {}", short(&file)))),
-                    Err(error) => Some(Err(error.to_string())),
+                    // The folder is the usual one, and would take the room of what is wrong.
+                    Err(error) => {
+                        let path = file.display().to_string();
+                        Some(Err(error.to_string().replace(&path, &short(&file))))
+                    }
                 };
             }
         }

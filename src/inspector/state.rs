@@ -159,16 +159,68 @@ pub(super) fn follow_files(
         if let AssetEvent::Modified { id } = event
             && let Some(feather) = feathers.get(*id)
         {
-            let gesture = inspector.next_gesture();
-            inspector.feathers.changed_outside(*id, feather, gesture);
+            let gesture = inspector.gesture + 1;
+            if inspector.feathers.changed_outside(*id, feather, gesture) {
+                inspector.gesture = gesture;
+            }
         }
     }
     for event in groom_events.read() {
         if let AssetEvent::Modified { id } = event
             && let Some(groom) = grooms.get(*id)
         {
-            let gesture = inspector.next_gesture();
-            inspector.grooms.changed_outside(*id, groom, gesture);
+            let gesture = inspector.gesture + 1;
+            if inspector.grooms.changed_outside(*id, groom, gesture) {
+                inspector.gesture = gesture;
+            }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::anatomy::presets;
+
+    #[test]
+    fn own_edits_are_not_taken_for_those_of_others() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, AssetPlugin::default()))
+            .init_asset::<Feather>()
+            .init_asset::<Groom>()
+            .insert_resource(Inspector::new(PathBuf::new()))
+            .add_systems(Update, follow_files);
+        let mut feather = presets::by_name("contour").unwrap();
+        let mut feathers = app.world_mut().resource_mut::<Assets<Feather>>();
+        let handle = feathers.add(feather.clone());
+        let id = handle.id();
+        app.update();
+        let mut inspector = app.world_mut().resource_mut::<Inspector>();
+        inspector.feathers.document(id, &feather, || None);
+        // A drag: edits of one gesture, each put into the asset.
+        let gesture = inspector.next_gesture();
+        for length in [20.0, 21.0, 22.0] {
+            feather.length_mm = length;
+            let mut inspector = app.world_mut().resource_mut::<Inspector>();
+            let now = inspector.gesture;
+            inspector.feathers.edit(id, feather.clone(), now);
+            let mut feathers = app.world_mut().resource_mut::<Assets<Feather>>();
+            feathers.insert(id, feather.clone()).unwrap();
+            app.update();
+            app.update();
+        }
+        let inspector = app.world().resource::<Inspector>();
+        assert_eq!(inspector.gesture, gesture);
+        assert_eq!(inspector.feathers.get(id).unwrap().depth(), (1, 0));
+        // Somebody else's edit is a step of its own.
+        feather.length_mm = 33.0;
+        let mut feathers = app.world_mut().resource_mut::<Assets<Feather>>();
+        feathers.insert(id, feather.clone()).unwrap();
+        app.update();
+        app.update();
+        let inspector = app.world().resource::<Inspector>();
+        assert_ne!(inspector.gesture, gesture);
+        let document = inspector.feathers.get(id).unwrap();
+        assert_eq!((document.depth(), document.present()), ((2, 0), &feather));
     }
 }
