@@ -140,7 +140,7 @@ wheel() { # x y TIMES: downwards
 picture() { # NAME: the window as it is, in few colours
     local suffix=
     [ "$scale" = 1 ] || suffix=_${scale}x
-    import -silent -window root +dither -colors "$((96 / scale))" -define png:compression-level=9 -define png:compression-filter=1 -define png:compression-strategy=0 "$out/$1$suffix.png"
+    import -silent -window root +dither -colors "$((64 / scale))" -define png:compression-level=9 -define png:compression-filter=1 -define png:compression-strategy=0 "$out/$1$suffix.png"
 }
 grown() { [ "$(grep -c "plumage of" "$work/app.log")" -ge "$1" ]; }
 start() {
@@ -299,7 +299,7 @@ click $groom_tab
 from=$(says feathers)
 cp "$groom" "$work/before"
 before=$(value "$groom" count)
-drag 226 404 236 404
+drag 226 425 236 425
 changed feathers "$from" "density of a region"
 settle
 picture groom

@@ -104,7 +104,10 @@ pub fn statistics_panel(ui: &mut egui::Ui, statistics: &Statistics) {
         });
     ui.horizontal_wrapped(|ui| {
         for ((name, _), colour) in &lines {
-            ui.colored_label(*colour, format!("\u{25a0} {}", name.replace('_', " ")));
+            ui.colored_label(
+                *colour,
+                format!("\u{25a0}\u{a0}{}", name.replace('_', "\u{a0}")),
+            );
         }
     });
     ui.separator();
