@@ -109,6 +109,23 @@ struct Worn {
     repeats: Option<&'static Repeats>,
 }
 
+/// What a repeat has taken over.
+#[derive(QueryData)]
+struct Repeat {
+    mesh: &'static Mesh3d,
+    material: &'static MeshMaterial3d<FeatherMaterial>,
+    layers: Option<&'static RenderLayers>,
+    range: Option<&'static VisibilityRange>,
+}
+
+/// Gives the repeat what its bird has, or takes it away.
+fn follow<T: Component + Clone>(commands: &mut Commands, repeat: Entity, what: Option<&T>) {
+    match what {
+        Some(what) => commands.entity(repeat).insert(what.clone()),
+        None => commands.entity(repeat).remove::<T>(),
+    };
+}
+
 /// What has to be drawn apart from a bird's own mesh.
 fn wanted(material: &FeatherMaterial, sorts: bool) -> &'static [DrawnCards] {
     if material.splits() {
@@ -124,7 +141,7 @@ fn wanted(material: &FeatherMaterial, sorts: bool) -> &'static [DrawnCards] {
 fn keep_repeats(
     mut commands: Commands,
     worn: Query<Worn, With<PlumageCards>>,
-    repeats: Query<(&Mesh3d, &MeshMaterial3d<FeatherMaterial>), With<PlumageRepeat>>,
+    repeats: Query<Repeat, With<PlumageRepeat>>,
     cameras: Query<(), With<OrderIndependentTransparencySettings>>,
     mut materials: ResMut<Assets<FeatherMaterial>>,
 ) {
@@ -154,16 +171,22 @@ fn keep_repeats(
             continue;
         }
         for (cards, entity) in there {
-            let Ok((mesh, old)) = repeats.get(*entity) else {
+            let Ok(repeat) = repeats.get(*entity) else {
                 continue;
             };
-            if mesh.0 != bird.mesh.0 {
+            if repeat.mesh.0 != bird.mesh.0 {
                 commands.entity(*entity).insert(bird.mesh.clone());
             }
+            if repeat.layers != bird.layers {
+                follow(&mut commands, *entity, bird.layers);
+            }
+            if repeat.range != bird.range {
+                follow(&mut commands, *entity, bird.range);
+            }
             let stale = materials
-                .get(old.id())
+                .get(repeat.material.id())
                 .is_none_or(|old| !draws_like(old, &material));
-            if stale && let Some(mut old) = materials.get_mut(old.id()) {
+            if stale && let Some(mut old) = materials.get_mut(repeat.material.id()) {
                 *old = material.drawing(*cards);
             }
         }
