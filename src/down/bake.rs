@@ -1,0 +1,262 @@
+//! From a [`Down`] to the textures and tables that its coats share: baked once on a worker thread.
+
+use super::{
+    Down, DownError, Tile, Transfer as TransferKind,
+    march::extinction_sine,
+    material::COLUMN,
+    texture::{self, Fur, fur_tile},
+    transfer::{Transfer, TransferSettings, bake, transfer_texture},
+};
+use bevy::{
+    asset::{AssetEvent, AssetId, Assets, Handle, RenderAssetUsages},
+    ecs::prelude::*,
+    image::{
+        Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor,
+    },
+    math::{UVec3, Vec3, Vec4},
+    platform::collections::HashMap,
+    render::render_resource::{Extent3d, TextureDimension, TextureFormat},
+    tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on, poll_once},
+};
+
+/// What is baked of one down.
+#[derive(Clone, Debug)]
+pub(super) struct TileBake {
+    size: UVec3,
+    density: Vec<u8>,
+    transfer_size: UVec3,
+    transfer: Vec<u8>,
+    pub(super) table: Table,
+}
+
+/// The numbers among what is baked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Table {
+    /// Extinction that 255 in the density texture stands for, optical depth per height across the fibres.
+    pub largest: f32,
+    /// Mean extinction across the fibres.
+    pub mean: f32,
+    /// Mean optical depth above each height.
+    pub column: [Vec4; COLUMN / 4],
+    /// How the higher bands of the transfer follow from its four numbers.
+    pub bands: [Vec4; 8],
+}
+
+/// A baked down on its way to the GPU.
+#[derive(Clone, Debug)]
+pub(super) struct Baked {
+    pub density: Handle<Image>,
+    pub transfer: Handle<Image>,
+    pub table: Table,
+    pub bytes: u64,
+}
+
+enum Bake {
+    Busy(Task<Result<TileBake, DownError>>),
+    Done(Baked),
+    Failed(String),
+}
+
+/// Baked downs by asset.
+#[derive(Resource, Default)]
+pub(super) struct Bakes(HashMap<AssetId<Down>, Bake>);
+
+impl Bakes {
+    /// The bake of a down, begun if there is none yet. `None` while it is under way.
+    pub(super) fn get(
+        &mut self,
+        id: AssetId<Down>,
+        down: &Down,
+        images: &mut Assets<Image>,
+    ) -> Option<Result<Baked, String>> {
+        let bake = self.0.entry(id).or_insert_with(|| {
+            let down = down.clone();
+            let pool = AsyncComputeTaskPool::get_or_init(TaskPool::new);
+            Bake::Busy(pool.spawn(async move { bake_tile(&down) }))
+        });
+        if let Bake::Busy(task) = bake
+            && let Some(result) = block_on(poll_once(task))
+        {
+            *bake = match result {
+                Ok(baked) => Bake::Done(upload(baked, images)),
+                Err(error) => Bake::Failed(error.to_string()),
+            };
+        }
+        match bake {
+            Bake::Busy(_) => None,
+            Bake::Done(baked) => Some(Ok(baked.clone())),
+            Bake::Failed(error) => Some(Err(error.clone())),
+        }
+    }
+}
+
+/// Forgets what was baked of a down that has changed or gone.
+pub(super) fn forget_changed(
+    mut events: MessageReader<AssetEvent<Down>>,
+    mut bakes: ResMut<Bakes>,
+) {
+    for event in events.read() {
+        if let AssetEvent::Modified { id } | AssetEvent::Removed { id } = event {
+            bakes.0.remove(id);
+        }
+    }
+}
+
+fn upload(bake: TileBake, images: &mut Assets<Image>) -> Baked {
+    let image = |size: UVec3, data: Vec<u8>, format| {
+        let mut image = Image::new(
+            Extent3d {
+                width: size.x,
+                height: size.y,
+                depth_or_array_layers: size.z,
+            },
+            TextureDimension::D3,
+            data,
+            format,
+            RenderAssetUsages::RENDER_WORLD,
+        );
+        image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
+            address_mode_u: ImageAddressMode::Repeat,
+            address_mode_v: ImageAddressMode::Repeat,
+            address_mode_w: ImageAddressMode::ClampToEdge,
+            mag_filter: ImageFilterMode::Linear,
+            min_filter: ImageFilterMode::Linear,
+            ..ImageSamplerDescriptor::default()
+        });
+        image
+    };
+    Baked {
+        bytes: (bake.density.len() + bake.transfer.len()) as u64,
+        density: images.add(image(bake.size, bake.density, TextureFormat::R8Unorm)),
+        transfer: images.add(image(
+            bake.transfer_size,
+            bake.transfer,
+            TextureFormat::Rgba8Unorm,
+        )),
+        table: bake.table,
+    }
+}
+
+/// The tile of a down.
+pub(super) fn down_tile(down: &Down) -> Result<Tile, DownError> {
+    let fail = |error: String| DownError::range("coats", error, "hairs that can be drawn");
+    let fur = Fur {
+        size: UVec3::from(down.tile),
+        width: (down.tile_metres() / (1.0e-3 * down.thickness_mm)).clamp(0.01, 1000.0),
+        optical_depth: down.optical_depth.max(0.01),
+        coats: down
+            .coats
+            .iter()
+            .map(|coat| texture::Coat {
+                hairs: coat.hairs,
+                radius: [coat.radius.0, coat.radius.1],
+                length: [coat.length.0, coat.length.1],
+                curl: [0.0, coat.curl],
+            })
+            .collect(),
+        seed: down.seed,
+    };
+    fur_tile(&fur).map_err(|error| fail(error.to_string()))
+}
+
+/// Cosine between the fibres at height `z` (0..1) and the normal, and their spread there.
+fn lean(down: &Down, z: f32) -> (f32, f32) {
+    let share = down.bend * z;
+    let upright = Vec3::new(share, 0.0, 1.0 - share);
+    let spread = down.tangent_spread.0 + (down.tangent_spread.1 - down.tangent_spread.0) * z;
+    (upright.normalize_or(Vec3::Z).z, spread)
+}
+
+/// Half as many cells along each axis: what reaches a cell from all around is smooth.
+fn halved(tile: &Tile) -> Option<Tile> {
+    let size = tile.size();
+    let half = (size / 2).max(UVec3::ONE);
+    let (mut extinction, mut tangent) = (Vec::new(), Vec::new());
+    for z in 0..half.z {
+        for y in 0..half.y {
+            for x in 0..half.x {
+                let (mut sum, mut along) = (0.0, Vec3::ZERO);
+                for corner in 0..8u32 {
+                    let offset = UVec3::new(corner & 1, corner >> 1 & 1, corner >> 2);
+                    let at = (UVec3::new(x, y, z) * 2 + offset).min(size - 1).as_ivec3();
+                    let cell = tile.cell(at.x, at.y, at.z);
+                    sum += tile.extinction()[cell];
+                    along += tile.tangent()[cell] * (tile.extinction()[cell] + 1e-3);
+                }
+                extinction.push(sum / 8.0);
+                tangent.push(along.normalize_or(Vec3::Z));
+            }
+        }
+    }
+    Tile::new(half, tile.width(), extinction, tangent)
+}
+
+/// Bakes everything of a down.
+fn bake_tile(down: &Down) -> Result<TileBake, DownError> {
+    down.validate()?;
+    let tile = down_tile(down)?;
+    let size = tile.size();
+    let layer = (size.x * size.y) as usize;
+    let layers = size.z as usize;
+    let means: Vec<f32> = tile
+        .extinction()
+        .chunks_exact(layer)
+        .map(|cells| cells.iter().sum::<f32>() / layer as f32)
+        .collect();
+    // The optical depth is meant straight down, where upright fibres show less of themselves than across.
+    let seen = |(z, mean): (usize, &f32)| {
+        let (cos, spread) = lean(down, (z as f32 + 0.5) / layers as f32);
+        mean * extinction_sine(cos, spread)
+    };
+    let straight = means.iter().enumerate().map(seen).sum::<f32>() / layers as f32;
+    let scale = if straight > 0.0 {
+        down.optical_depth / straight
+    } else {
+        0.0
+    };
+    let largest = tile.extinction().iter().copied().fold(1e-6, f32::max);
+    let density = tile
+        .extinction()
+        .iter()
+        .map(|e| (e / largest * 255.0).round() as u8)
+        .collect();
+    let above = |x: f32| {
+        let depth = |(z, mean): (usize, &f32)| {
+            let open = (z + 1) as f32 - x * layers as f32;
+            mean * open.clamp(0.0, 1.0) / layers as f32
+        };
+        scale * means.iter().enumerate().map(depth).sum::<f32>()
+    };
+    let column = std::array::from_fn(|i| {
+        let at = |k: usize| above((4 * i + k) as f32 / (COLUMN - 1) as f32);
+        Vec4::new(at(0), at(1), at(2), at(3))
+    });
+    let (transfer_size, transfer, bands) = match down.transfer {
+        TransferKind::Off => (UVec3::ONE, vec![128, 128, 160, 128], [Vec4::ZERO; 8]),
+        TransferKind::Four => {
+            let fail = |error: String| DownError::range("transfer", error, "a tile");
+            let coarse = halved(&tile).ok_or_else(|| fail("empty".into()))?;
+            let raw = bake(&coarse, &TransferSettings::default(), 2)
+                .map_err(|error| fail(error.to_string()))?;
+            let transfer = Transfer::compress(&raw);
+            let bytes = transfer_texture(&transfer, &coarse, 1)
+                .into_iter()
+                .next()
+                .map(|mip| mip.bytes)
+                .unwrap_or_default();
+            (coarse.size(), bytes, transfer.bands.vec4s().map(Vec4::from))
+        }
+    };
+    Ok(TileBake {
+        size,
+        density,
+        transfer_size,
+        transfer,
+        table: Table {
+            largest: largest * scale,
+            mean: scale * means.iter().sum::<f32>() / layers as f32,
+            column,
+            bands,
+        },
+    })
+}
