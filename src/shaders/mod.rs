@@ -42,6 +42,10 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "feather_lighting.wgsl");
         load_shader_library!(app, "feather_near.wgsl");
         load_shader_library!(app, "feather_environment.wgsl");
+        load_shader_library!(app, "down_light.wgsl");
+        load_shader_library!(app, "down_march.wgsl");
+        load_shader_library!(app, "down_prism.wgsl");
+        load_shader_library!(app, "down_walk.wgsl");
         embedded_asset!(app, "feather_vertex.wgsl");
         embedded_asset!(app, "feather.wgsl");
         embedded_asset!(app, "feather_prepass.wgsl");

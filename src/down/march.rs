@@ -1,0 +1,96 @@
+//! Marching a ray through the coat: where the samples lie, and how they add up.
+//!
+//! These are the parts of the loop; the caller samples the density (a texture on the GPU, a [`Tile`](super::Tile) here) at
+//! [`march_step`], takes the light from [`light`](super::light), and hands both to [`March::add`]. Lengths are in heights of the
+//! coat and extinction is in optical depth per height, so that the product is an optical depth. Twin: `down_march.wgsl`.
+
+use crate::query::math::{Real, clamp, fraction};
+
+/// Mean optical depth at which a ray is cut off: `exp(-7)` is below 1/1000.
+pub const DEPTH_CLIP: f64 = 7.0;
+
+/// Transmittance at which a march may stop.
+pub const OPAQUE: f64 = 0.003;
+
+/// What a ray has gathered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct March<T> {
+    /// Light towards the eye, premultiplied.
+    pub radiance: [T; 3],
+    /// Share of what lies behind that still shows, 0..=1.
+    pub transmittance: T,
+    /// Sum of distance times opacity: over `1 - transmittance`, the mean distance of what is seen.
+    pub distance: T,
+}
+
+impl<T: Real> Default for March<T> {
+    fn default() -> Self {
+        Self {
+            radiance: [T::zero(); 3],
+            transmittance: T::one(),
+            distance: T::zero(),
+        }
+    }
+}
+
+impl<T: Real> March<T> {
+    /// One step: its optical depth, the radiance that an opaque piece of it would send, and its distance.
+    pub fn add(self, depth: T, source: [T; 3], distance: T) -> Self {
+        // Not a number counts as clear.
+        let through = (-depth.max(T::zero())).exp();
+        let weight = self.transmittance * (T::one() - through);
+        Self {
+            radiance: [0, 1, 2].map(|k: usize| self.radiance[k] + weight * source[k]),
+            transmittance: self.transmittance * through,
+            distance: self.distance + weight * distance,
+        }
+    }
+
+    /// Over an opaque ground (the skin): radiance of the pixel.
+    pub fn over(self, ground: [T; 3]) -> [T; 3] {
+        [0, 1, 2].map(|k: usize| self.radiance[k] + self.transmittance * ground[k])
+    }
+
+    /// Opacity-weighted mean distance; 0 where nothing is seen.
+    pub fn mean_distance(self) -> T {
+        self.distance / (T::one() - self.transmittance).max(T::of(1e-6))
+    }
+}
+
+/// Length of a ray worth marching: `length`, or where the mean medium (extinction `mean`) reaches the depth `clip`.
+///
+/// What lies behind is hidden: the last step's end counts as opaque (undercoat study A3).
+pub fn march_length<T: Real>(length: T, mean: T, clip: T) -> T {
+    length
+        .max(T::zero())
+        .min(clip.max(T::zero()) / mean.max(T::of(1e-6)))
+}
+
+/// Where sample `i` lies and how long its step is, both as shares of the ray. `count` (1..=64) may be fractional: the last step is
+/// then short, and passes into none without a jump. There are `ceil(count)` steps; `jitter` (0..1) is 0.5 for midpoints.
+pub fn march_step<T: Real>(i: u32, count: T, jitter: T) -> (T, T) {
+    let count = clamp(count, T::one(), T::of(64.0));
+    let first = T::of(f64::from(i));
+    let width = clamp(count - first, T::zero(), T::one());
+    ((first + jitter * width) / count, width / count)
+}
+
+/// Jitter of a pixel in a frame: `noise` (blue noise of the pixel, 0..1, never of the place in the world) advanced by the golden
+/// ratio. 0.5 without temporal antialiasing.
+pub fn march_jitter<T: Real>(noise: T, frame: u32) -> T {
+    fraction(noise + T::of(f64::from(frame & 1023)) * T::of(0.618_033_988_749_895))
+}
+
+/// Level of the density's mip chain for a pixel that covers `cells` cells of it (a length): 0..=`deepest`, fractional.
+pub fn march_mip<T: Real>(cells: T, deepest: T) -> T {
+    clamp(cells.max(T::one()).log2(), T::zero(), deepest)
+}
+
+/// What fibres along `tangent` block of a ray with the cosine `cos` to them, over what they block across: the sine, with a floor
+/// from the spread of their directions (0: parallel fibres, 1: random ones). Without the floor a coat is transparent, and black, along
+/// its fibres (undercoat study A2).
+pub fn extinction_sine<T: Real>(cos: T, spread: T) -> T {
+    let c = clamp(cos * cos, T::zero(), T::one());
+    let e = clamp(spread, T::zero(), T::one());
+    (T::one() - c + e * e * c).sqrt()
+}

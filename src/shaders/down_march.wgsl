@@ -1,0 +1,66 @@
+#define_import_path bevy_plumage::down_march
+
+// Marching a ray through the coat. Twin of src/down/march.rs, where the comments are.
+//
+// No bindings: the user of the module samples the density at every step and hands the values over:
+//
+//   let length = march_length(path, mean_extinction, DEPTH_CLIP);      // path in heights of the coat
+//   for (var i = 0u; i < u32(ceil(count)) && march.transmittance > OPAQUE; i++) {
+//       let step = march_step(i, count, jitter);                         // share of the ray, width
+//       let place = origin + step.x * length * direction;
+//       let extinction = density(place) * extinction_sine(dot(tangent, direction), spread);
+//       march = march_add(march, extinction * step.y * length, source, step.x * length);
+//   }
+
+const DEPTH_CLIP: f32 = 7.0;
+const OPAQUE: f32 = 0.003;
+
+struct March {
+    radiance: vec3<f32>,
+    transmittance: f32,
+    distance: f32,
+}
+
+fn march_begin() -> March {
+    return March(vec3(0.0), 1.0, 0.0);
+}
+
+fn march_add(m: March, depth: f32, source: vec3<f32>, distance: f32) -> March {
+    let through = exp(-max(depth, 0.0));
+    let weight = m.transmittance * (1.0 - through);
+    return March(m.radiance + weight * source, m.transmittance * through, m.distance + weight * distance);
+}
+
+fn march_over(m: March, ground: vec3<f32>) -> vec3<f32> {
+    return m.radiance + m.transmittance * ground;
+}
+
+fn march_mean_distance(m: March) -> f32 {
+    return m.distance / max(1.0 - m.transmittance, 1e-6);
+}
+
+fn march_length(length: f32, mean: f32, clip: f32) -> f32 {
+    return min(max(length, 0.0), max(clip, 0.0) / max(mean, 1e-6));
+}
+
+// x: place, y: width, both as shares of the ray.
+fn march_step(i: u32, count: f32, jitter: f32) -> vec2<f32> {
+    let n = clamp(count, 1.0, 64.0);
+    let first = f32(i);
+    let width = clamp(n - first, 0.0, 1.0);
+    return vec2(first + jitter * width, width) / n;
+}
+
+fn march_jitter(noise: f32, frame: u32) -> f32 {
+    return fract(noise + f32(frame & 1023u) * 0.618033988749895);
+}
+
+fn march_mip(cells: f32, deepest: f32) -> f32 {
+    return clamp(log2(max(cells, 1.0)), 0.0, deepest);
+}
+
+fn extinction_sine(cosine: f32, spread: f32) -> f32 {
+    let c = clamp(cosine * cosine, 0.0, 1.0);
+    let e = clamp(spread, 0.0, 1.0);
+    return sqrt(1.0 - c + e * e * c);
+}
