@@ -161,11 +161,10 @@ impl Down {
         let style = ron::ser::PrettyConfig::new()
             .new_line("\n")
             .compact_arrays(true);
-        let text =
-            ron::ser::to_string_pretty(self, style).map_err(|error| DownError::Io {
-                file: self.name.clone(),
-                message: error.to_string(),
-            })?;
+        let text = ron::ser::to_string_pretty(self, style).map_err(|error| DownError::Io {
+            file: self.name.clone(),
+            message: error.to_string(),
+        })?;
         Ok(text + "\n")
     }
 
@@ -199,7 +198,11 @@ impl Down {
         inside("specular.1", self.specular.1, 1.0, 500.0)?;
         for (i, cells) in self.tile.into_iter().enumerate() {
             if !(4..=256).contains(&cells) {
-                return Err(DownError::range(format_args!("tile[{i}]"), cells, "4 to 256"));
+                return Err(DownError::range(
+                    format_args!("tile[{i}]"),
+                    cells,
+                    "4 to 256",
+                ));
             }
         }
         if self.coats.len() > Self::MAX_COATS {

@@ -10,9 +10,7 @@ use super::{
 use bevy::{
     asset::{AssetEvent, AssetId, Assets, Handle, RenderAssetUsages},
     ecs::prelude::*,
-    image::{
-        Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor,
-    },
+    image::{Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor},
     math::{UVec3, Vec3, Vec4},
     platform::collections::HashMap,
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},

@@ -74,7 +74,10 @@ impl Default for Undercoat {
 impl Undercoat {
     /// A coat of this down.
     pub fn new(down: Handle<Down>) -> Self {
-        Self { down, ..Self::default() }
+        Self {
+            down,
+            ..Self::default()
+        }
     }
 
     /// Drawn in this way.
@@ -181,9 +184,17 @@ pub enum UndercoatView {
     Tile,
 }
 
-/// Quality of all coats; on an entity with an [`Undercoat`] it overrides the resource.
-#[derive(Component, Resource, Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
-#[reflect(Component, Resource, Default)]
+/// Quality of one coat in place of the resource; put it beside its [`Undercoat`].
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Default)]
+pub struct UndercoatQuality(
+    /// What holds for this coat.
+    pub UndercoatSettings,
+);
+
+/// Quality of all coats.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[reflect(Resource, Default)]
 #[serde(default, deny_unknown_fields)]
 pub struct UndercoatSettings {
     /// Steps towards the eye, 4..64.

@@ -1,7 +1,8 @@
 //! Grows the coats of entities with an [`Undercoat`]: shells, their materials, their strands.
 
 use super::{
-    Down, GuardStrands, Undercoat, UndercoatMode, UndercoatSettings, UndercoatState,
+    Down, GuardStrands, Undercoat, UndercoatMode, UndercoatQuality, UndercoatSettings,
+    UndercoatState,
     bake::{Baked, Bakes},
     hairs::{HairParts, StrandInput, grow_strands},
     material::{FAR, StrandMaterial, UndercoatMaterial, UndercoatUniform},
@@ -218,7 +219,7 @@ pub(super) fn start(
         Entity,
         &Undercoat,
         Option<&GuardStrands>,
-        Option<&UndercoatSettings>,
+        Option<&UndercoatQuality>,
         &mut UndercoatState,
         &mut GrowJob,
     )>,
@@ -250,7 +251,7 @@ pub(super) fn start(
             continue;
         };
         let (down, coat, strands) = (down.clone(), coat.clone(), strands.cloned());
-        let shells = own.unwrap_or(&settings).shells;
+        let shells = own.map_or(&*settings, |own| &own.0).shells;
         let (targets, inputs): (Vec<_>, Vec<_>) = found.into_iter().unzip();
         job.targets = targets;
         let pool = AsyncComputeTaskPool::get_or_init(TaskPool::new);
@@ -268,8 +269,7 @@ fn grow_one(
     strands: Option<&GuardStrands>,
     shells: u32,
 ) -> Result<Grown, String> {
-    let mut skin =
-        SkinMesh::from_meshes(&[&input.mesh], &[]).map_err(|error| error.to_string())?;
+    let mut skin = SkinMesh::from_meshes(&[&input.mesh], &[]).map_err(|error| error.to_string())?;
     if let Some(colours) = input.colours {
         skin.colors = colours;
     }
@@ -293,6 +293,7 @@ fn grow_one(
             shell: &shell.shell,
             strands,
             factor,
+            scale: coat.scale.clamp(0.0, 10.0),
             seed: coat.seed,
         })
     });
@@ -365,7 +366,7 @@ pub(super) fn finish(
         Entity,
         &Undercoat,
         Option<&GuardStrands>,
-        Option<&UndercoatSettings>,
+        Option<&UndercoatQuality>,
         &mut UndercoatState,
         &mut GrowJob,
     )>,
@@ -410,7 +411,7 @@ pub(super) fn finish(
                 baked: &baked,
                 coat,
                 strands,
-                settings: own.unwrap_or(&settings),
+                settings: own.map_or(&*settings, |own| &own.0),
                 over_skin: false,
             };
             wear.spawn(&mut commands, &mut assets, grown, &mut state);
@@ -468,8 +469,12 @@ impl Wear<'_> {
         state.walls += (shell.faces.len() - shell.tops) as u32 / 2;
         state.limited += shell.report.lowered as u32;
         state.bytes += (grown.shell.bytes.len() + grown.shell.rest.len()) as u64;
-        let buffer = assets.buffers.add(storage(grown.shell.bytes, "undercoat_shell"));
-        let rest = assets.buffers.add(storage(grown.shell.rest, "undercoat_rest"));
+        let buffer = assets
+            .buffers
+            .add(storage(grown.shell.bytes, "undercoat_shell"));
+        let rest = assets
+            .buffers
+            .add(storage(grown.shell.rest, "undercoat_rest"));
         let anchor = commands
             .spawn((
                 Transform::IDENTITY,
@@ -516,24 +521,32 @@ impl Wear<'_> {
             ));
             entity
         });
-        let strands = grown.strands.zip(self.strands).and_then(|(parts, strands)| {
-            if parts.count == 0 {
-                return None;
-            }
-            state.strands += parts.count;
-            state.bytes += parts.bytes();
-            let material = StrandMaterial {
-                uniform: parts.uniform(strands, &uniform, coat.is_some()),
-                shell: buffer.clone(),
-                roots: assets.buffers.add(storage(parts.roots, "undercoat_roots")),
-            };
-            let entity = part(commands, "Undercoat strands");
-            commands.entity(entity).insert((
-                Mesh3d(assets.meshes.add(parts.mesh)),
-                MeshMaterial3d(assets.strands.add(material)),
-            ));
-            Some(entity)
-        });
+        let strands = grown
+            .strands
+            .zip(self.strands)
+            .and_then(|(parts, strands)| {
+                if parts.count == 0 {
+                    return None;
+                }
+                state.strands += parts.count;
+                state.bytes += parts.bytes();
+                let material = StrandMaterial {
+                    uniform: parts.uniform(
+                        strands,
+                        &uniform,
+                        self.coat.scale.clamp(0.0, 10.0),
+                        coat.is_some(),
+                    ),
+                    shell: buffer.clone(),
+                    roots: assets.buffers.add(storage(parts.roots, "undercoat_roots")),
+                };
+                let entity = part(commands, "Undercoat strands");
+                commands.entity(entity).insert((
+                    Mesh3d(assets.meshes.add(parts.mesh)),
+                    MeshMaterial3d(assets.strands.add(material)),
+                ));
+                Some(entity)
+            });
         commands.entity(anchor).insert(UndercoatShell {
             skin: self.skin,
             owner: self.owner,
@@ -550,7 +563,7 @@ impl Wear<'_> {
 /// Takes changes of the settings over into the materials.
 pub(super) fn apply_settings(
     settings: Res<UndercoatSettings>,
-    own: Query<Ref<UndercoatSettings>>,
+    own: Query<Ref<UndercoatQuality>>,
     coats: Query<&Undercoat>,
     shells: Query<&UndercoatShell>,
     worn: Query<&MeshMaterial3d<UndercoatMaterial>>,
@@ -564,7 +577,7 @@ pub(super) fn apply_settings(
         let (Some(coat), Ok(undercoat)) = (shell.coat, coats.get(shell.owner)) else {
             continue;
         };
-        let quality = quality.map_or(*settings, |quality| *quality);
+        let quality = quality.map_or(*settings, |quality| quality.0);
         let Some(mut material) = worn
             .get(coat)
             .ok()

@@ -23,6 +23,8 @@ pub(super) struct StrandInput<'a> {
     pub strands: &'a GuardStrands,
     /// Model units in a metre of the animal.
     pub factor: f32,
+    /// Metres of the world in a metre of the animal.
+    pub scale: f32,
     pub seed: u64,
 }
 
@@ -37,7 +39,10 @@ impl HairParts {
     /// Bytes on the GPU.
     pub(super) fn bytes(&self) -> u64 {
         let vertices = self.mesh.count_vertices() as u64 * self.mesh.get_vertex_size();
-        let indices = self.mesh.indices().map_or(0, |indices| indices.len() as u64 * 4);
+        let indices = self
+            .mesh
+            .indices()
+            .map_or(0, |indices| indices.len() as u64 * 4);
         self.roots.len() as u64 + vertices + indices
     }
 
@@ -46,6 +51,7 @@ impl HairParts {
         &self,
         strands: &GuardStrands,
         coat: &UndercoatUniform,
+        scale: f32,
         covered: bool,
     ) -> StrandUniform {
         let linear = |colour: [f32; 3]| {
@@ -54,7 +60,8 @@ impl HairParts {
         };
         StrandUniform {
             counts: UVec4::new(coat.counts.x, coat.counts.y, self.count, u32::from(covered)),
-            colour: linear(strands.colour).extend(1.0e-6 * strands.radius_um.clamp(1.0, 2000.0)),
+            colour: linear(strands.colour)
+                .extend(1.0e-6 * scale * strands.radius_um.clamp(1.0, 2000.0)),
             tip_colour: linear(strands.tip_colour).extend(strands.fade.clamp(0.0, 8.0)),
             shape: Vec4::new(
                 strands.bend.clamp(0.0, 1.0),
@@ -77,6 +84,7 @@ pub(super) fn grow_strands(input: &StrandInput) -> HairParts {
         shell,
         strands,
         factor,
+        scale,
         seed,
     } = input;
     let positions: Vec<Vec3> = shell.vertices.iter().map(|v| v.position.into()).collect();
@@ -94,8 +102,10 @@ pub(super) fn grow_strands(input: &StrandInput) -> HairParts {
         let place = share(root.barycentric[0]) | share(root.barycentric[1]) << 16;
         let vary = (root.seed & 0xffff) as f32 / 32_767.5 - 1.0;
         let (mean, spread) = strands.length_mm;
-        let length =
-            1.0e-3 * mean.clamp(0.1, 300.0) * (1.0 + spread.clamp(0.0, 1.0) * vary).max(0.05);
+        let length = scale
+            * 1.0e-3
+            * mean.clamp(0.1, 300.0)
+            * (1.0 + spread.clamp(0.0, 1.0) * vary).max(0.05);
         for word in [root.triangle, place, length.to_bits(), root.seed] {
             bytes.extend(word.to_le_bytes());
         }

@@ -21,8 +21,11 @@ pub const REST_VEC4S: u32 = 4;
 const TOP: u32 = 255;
 
 /// (node * 256 + height, prism * 16 + face) of a vertex.
-pub const CELL: MeshVertexAttribute =
-    MeshVertexAttribute::new("Undercoat_Cell", 0x7c1f_93d2_40ab_5e01, VertexFormat::Uint32x2);
+pub const CELL: MeshVertexAttribute = MeshVertexAttribute::new(
+    "Undercoat_Cell",
+    0x7c1f_93d2_40ab_5e01,
+    VertexFormat::Uint32x2,
+);
 
 /// What a shell is built of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,10 +117,7 @@ impl PackedShell {
             }
             indices.push(*slot);
         }
-        let positions: Vec<[f32; 3]> = used
-            .iter()
-            .map(|v| skin.positions[*v].to_array())
-            .collect();
+        let positions: Vec<[f32; 3]> = used.iter().map(|v| skin.positions[*v].to_array()).collect();
         let heights = vec![shape.height; positions.len()];
         let shell = Shell::build(&positions, &indices, &heights)
             .map_err(|error| fail(error.to_string()))?;
@@ -126,8 +126,8 @@ impl PackedShell {
             let words = prism.words();
             put_words(&mut bytes, [words[0], words[1], words[2], words[3]]);
             put_words(&mut bytes, [words[4], words[5], words[6], words[7]]);
-            let corners = [0, 1, 2]
-                .map(|k| Vec3::from(shell.vertices[prism.corners[k] as usize].position));
+            let corners =
+                [0, 1, 2].map(|k| Vec3::from(shell.vertices[prism.corners[k] as usize].position));
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
             let [a, b, c] = corners.map(|corner| tile_place(corner, normal, shape));
             put(&mut bytes, [a.x, a.y, b.x, b.y]);
@@ -145,11 +145,17 @@ impl PackedShell {
                 .copied()
                 .unwrap_or(shape.lay);
             let colour = colour_word(skin.colors.get(source));
-            put(&mut rest, [along.x, along.y, along.z, f32::from_bits(colour)]);
+            put(
+                &mut rest,
+                [along.x, along.y, along.z, f32::from_bits(colour)],
+            );
             let (joints, weights) = skin.weights.get(source).copied().unwrap_or_default();
             let [a, b, c, d] = joints.map(u32::from);
             let [p, q, r, s] = weights.map(|w| (w.clamp(0.0, 1.0) * 65_535.0).round() as u32);
-            put_words(&mut rest, [a | b << 16, c | d << 16, p | q << 16, r | s << 16]);
+            put_words(
+                &mut rest,
+                [a | b << 16, c | d << 16, p | q << 16, r | s << 16],
+            );
         }
         Ok(Self { shell, bytes, rest })
     }
@@ -187,7 +193,8 @@ impl PackedShell {
         let mut cells = Vec::with_capacity(3 * tops.len() * count as usize);
         for layer in 0..count {
             // In the middle of its slab.
-            let height = (f64::from(TOP) * (f64::from(layer) + 0.5) / f64::from(count)).round() as u32;
+            let height =
+                (f64::from(TOP) * (f64::from(layer) + 0.5) / f64::from(count)).round() as u32;
             for face in tops {
                 cells.extend(
                     face.corners
