@@ -134,6 +134,12 @@ fn load(app: &mut App, name: &str) {
             ready += u32::from(state.is_ready());
             failed += u32::from(state.error.is_some());
         }
+        let mut coats = app.world_mut().query::<&UndercoatState>();
+        for coat in coats.iter(app.world()) {
+            all += 1;
+            ready += u32::from(coat.ready && coat.error.is_none());
+            failed += u32::from(coat.error.is_some());
+        }
         let failures = app
             .world()
             .resource::<Messages<UntypedAssetLoadFailedEvent>>()
@@ -143,7 +149,7 @@ fn load(app: &mut App, name: &str) {
             last_failure = Some(Instant::now());
         }
         let given_up = last_failure.is_some_and(|at| at.elapsed() > FAILURE_GRACE);
-        let text = format!("{name}: {ready} of {all} birds feathered");
+        let text = format!("{name}: {ready} of {all} coats grown");
         if text != shown {
             println!("{text}");
             shown = text;

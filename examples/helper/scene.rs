@@ -65,11 +65,12 @@ impl Sky {
 }
 
 fn spawn_light(mut commands: Commands, args: Res<Args>) {
-    let sun = if args.backlight {
-        Vec3::new(0.5, 1.1, -2.2)
-    } else {
-        Vec3::new(0.7, 1.9, 1.9)
-    };
+    let sun = Quat::from_rotation_y(args.sun.to_radians())
+        * if args.backlight {
+            Vec3::new(0.5, 1.1, -2.2)
+        } else {
+            Vec3::new(0.7, 1.9, 1.9)
+        };
     commands.spawn((
         DirectionalLight {
             illuminance: 23_000.0,

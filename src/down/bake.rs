@@ -2,6 +2,7 @@
 
 use super::{
     Down, DownError, Tile, Transfer as TransferKind,
+    density::{self, Density, DownShape},
     march::extinction_sine,
     material::COLUMN,
     texture::{self, Fur, fur_tile},
@@ -17,10 +18,16 @@ use bevy::{
     tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on, poll_once},
 };
 
+/// Clumps along a tile.
+const CLUMPS: u32 = 8;
+/// Levels of the density texture.
+const MIPS: usize = 4;
+
 /// What is baked of one down.
 #[derive(Clone, Debug)]
 pub(super) struct TileBake {
     size: UVec3,
+    levels: u32,
     density: Vec<u8>,
     transfer_size: UVec3,
     transfer: Vec<u8>,
@@ -101,33 +108,41 @@ pub(super) fn forget_changed(
 }
 
 fn upload(bake: TileBake, images: &mut Assets<Image>) -> Baked {
-    let image = |size: UVec3, data: Vec<u8>, format| {
-        let mut image = Image::new(
+    let image = |size: UVec3, levels: u32, data: Vec<u8>, format| {
+        let mut image = Image::new_uninit(
             Extent3d {
                 width: size.x,
                 height: size.y,
                 depth_or_array_layers: size.z,
             },
             TextureDimension::D3,
-            data,
             format,
             RenderAssetUsages::RENDER_WORLD,
         );
+        image.texture_descriptor.mip_level_count = levels;
+        image.data = Some(data);
         image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
             address_mode_u: ImageAddressMode::Repeat,
             address_mode_v: ImageAddressMode::Repeat,
             address_mode_w: ImageAddressMode::ClampToEdge,
             mag_filter: ImageFilterMode::Linear,
             min_filter: ImageFilterMode::Linear,
+            mipmap_filter: ImageFilterMode::Linear,
             ..ImageSamplerDescriptor::default()
         });
         image
     };
     Baked {
         bytes: (bake.density.len() + bake.transfer.len()) as u64,
-        density: images.add(image(bake.size, bake.density, TextureFormat::R8Unorm)),
+        density: images.add(image(
+            bake.size,
+            bake.levels,
+            bake.density,
+            TextureFormat::R8Unorm,
+        )),
         transfer: images.add(image(
             bake.transfer_size,
+            1,
             bake.transfer,
             TextureFormat::Rgba8Unorm,
         )),
@@ -138,9 +153,27 @@ fn upload(bake: TileBake, images: &mut Assets<Image>) -> Baked {
 /// The tile of a down.
 pub(super) fn down_tile(down: &Down) -> Result<Tile, DownError> {
     let fail = |error: String| DownError::range("coats", error, "hairs that can be drawn");
+    let size = UVec3::from(down.tile);
+    let width = (down.tile_metres() / (1.0e-3 * down.thickness_mm)).clamp(0.01, 1000.0);
+    if down.coats.is_empty() {
+        let shape = DownShape {
+            clumps: CLUMPS,
+            fibres: 3 * CLUMPS,
+            jitter: down.uv_jitter,
+            bend: down.bend,
+            spread: [
+                down.tangent_spread.0,
+                down.tangent_spread.1 - down.tangent_spread.0,
+            ],
+            seed: down.seed as u32,
+            ..DownShape::default()
+        };
+        return density::down_tile(&shape, size, width, down.optical_depth.max(0.01))
+            .ok_or_else(|| fail("nothing".into()));
+    }
     let fur = Fur {
-        size: UVec3::from(down.tile),
-        width: (down.tile_metres() / (1.0e-3 * down.thickness_mm)).clamp(0.01, 1000.0),
+        size,
+        width,
         optical_depth: down.optical_depth.max(0.01),
         coats: down
             .coats
@@ -165,75 +198,48 @@ fn lean(down: &Down, z: f32) -> (f32, f32) {
     (upright.normalize_or(Vec3::Z).z, spread)
 }
 
-/// Half as many cells along each axis: what reaches a cell from all around is smooth.
-fn halved(tile: &Tile) -> Option<Tile> {
-    let size = tile.size();
-    let half = (size / 2).max(UVec3::ONE);
-    let (mut extinction, mut tangent) = (Vec::new(), Vec::new());
-    for z in 0..half.z {
-        for y in 0..half.y {
-            for x in 0..half.x {
-                let (mut sum, mut along) = (0.0, Vec3::ZERO);
-                for corner in 0..8u32 {
-                    let offset = UVec3::new(corner & 1, corner >> 1 & 1, corner >> 2);
-                    let at = (UVec3::new(x, y, z) * 2 + offset).min(size - 1).as_ivec3();
-                    let cell = tile.cell(at.x, at.y, at.z);
-                    sum += tile.extinction()[cell];
-                    along += tile.tangent()[cell] * (tile.extinction()[cell] + 1e-3);
-                }
-                extinction.push(sum / 8.0);
-                tangent.push(along.normalize_or(Vec3::Z));
-            }
-        }
-    }
-    Tile::new(half, tile.width(), extinction, tangent)
-}
-
 /// Bakes everything of a down.
 fn bake_tile(down: &Down) -> Result<TileBake, DownError> {
     down.validate()?;
     let tile = down_tile(down)?;
-    let size = tile.size();
-    let layer = (size.x * size.y) as usize;
-    let layers = size.z as usize;
-    let means: Vec<f32> = tile
-        .extinction()
-        .chunks_exact(layer)
-        .map(|cells| cells.iter().sum::<f32>() / layer as f32)
-        .collect();
+    let density = Density::new(&tile);
+    let layers = tile.size().z as usize;
     // The optical depth is meant straight down, where upright fibres show less of themselves than across.
-    let seen = |(z, mean): (usize, &f32)| {
+    let seen = |(z, pair): (usize, &[f32])| {
         let (cos, spread) = lean(down, (z as f32 + 0.5) / layers as f32);
-        mean * extinction_sine(cos, spread)
+        (pair[0] - pair[1]) * extinction_sine(cos, spread)
     };
-    let straight = means.iter().enumerate().map(seen).sum::<f32>() / layers as f32;
+    let straight: f32 = density.columns().windows(2).enumerate().map(seen).sum();
     let scale = if straight > 0.0 {
         down.optical_depth / straight
     } else {
         0.0
     };
     let largest = tile.extinction().iter().copied().fold(1e-6, f32::max);
-    let density = tile
-        .extinction()
+    let step = |e: &f32| (e / largest * 255.0).round().min(255.0) as u8;
+    let levels: Vec<_> = density.levels().iter().take(MIPS).collect();
+    let texels = levels
         .iter()
-        .map(|e| (e / largest * 255.0).round() as u8)
-        .collect();
-    let above = |x: f32| {
-        let depth = |(z, mean): (usize, &f32)| {
-            let open = (z + 1) as f32 - x * layers as f32;
-            mean * open.clamp(0.0, 1.0) / layers as f32
-        };
-        scale * means.iter().enumerate().map(depth).sum::<f32>()
-    };
+        .flat_map(|level| level.extinction.iter().map(step));
     let column = std::array::from_fn(|i| {
-        let at = |k: usize| above((4 * i + k) as f32 / (COLUMN - 1) as f32);
+        let at = |k: usize| scale * density.column((4 * i + k) as f32 / (COLUMN - 1) as f32);
         Vec4::new(at(0), at(1), at(2), at(3))
     });
     let (transfer_size, transfer, bands) = match down.transfer {
-        TransferKind::Off => (UVec3::ONE, vec![128, 128, 160, 128], [Vec4::ZERO; 8]),
+        // Open above, whatever lies around.
+        TransferKind::Off => (UVec3::ONE, vec![128, 128, 255, 128], [Vec4::ZERO; 8]),
         TransferKind::Four => {
             let fail = |error: String| DownError::range("transfer", error, "a tile");
-            let coarse = halved(&tile).ok_or_else(|| fail("empty".into()))?;
+            // What reaches a place from all around is smooth: half the cells along each axis.
+            let coarse = density.levels().get(1).unwrap_or(&density.levels()[0]);
+            let upright = vec![Vec3::Z; coarse.extinction.len()];
+            let coarse = Tile::new(
+                coarse.size,
+                tile.width(),
+                coarse.extinction.clone(),
+                upright,
+            )
+            .ok_or_else(|| fail("empty".into()))?;
             let raw = bake(&coarse, &TransferSettings::default(), 2)
                 .map_err(|error| fail(error.to_string()))?;
             let transfer = Transfer::compress(&raw);
@@ -246,13 +252,14 @@ fn bake_tile(down: &Down) -> Result<TileBake, DownError> {
         }
     };
     Ok(TileBake {
-        size,
-        density,
+        size: tile.size(),
+        levels: levels.len() as u32,
+        density: texels.collect(),
         transfer_size,
         transfer,
         table: Table {
             largest: largest * scale,
-            mean: scale * means.iter().sum::<f32>() / layers as f32,
+            mean: scale * density.mean(),
             column,
             bands,
         },

@@ -19,6 +19,7 @@ mod asset;
 mod bake;
 mod component;
 pub mod coverage;
+pub mod density;
 mod error;
 mod extrude;
 pub mod fragments;
@@ -46,6 +47,7 @@ pub use component::{
     GuardStrands, Undercoat, UndercoatMode, UndercoatQuality, UndercoatSettings, UndercoatState,
     UndercoatTier, UndercoatView,
 };
+pub use density::Density;
 pub use error::DownError;
 pub use grow::UndercoatShell;
 pub use loader::DownLoader;

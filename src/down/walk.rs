@@ -75,7 +75,7 @@ pub fn face_place<T: Real>(corners: &[[T; 3]; 6], face: u32, point: [T; 3]) -> [
     for (k, weight) in vertices.into_iter().zip(weights) {
         place[k as usize % 3] = place[k as usize % 3] + weight;
         if k >= 3 {
-            place[3] = place[3] + weight;
+            place[3] = (place[3] + weight).min(T::one());
         }
     }
     place

@@ -152,7 +152,7 @@ fn face_place(corners: PrismCorners, face: u32, point: vec3<f32>) -> vec4<f32> {
     let second = clamp(dot(cross(w, v), n) / square, 0.0, 1.0);
     let third = min(clamp(dot(cross(u, w), n) / square, 0.0, 1.0), 1.0 - second);
     let weights = vec3(1.0 - second - third, second, third);
-    let height = dot(weights, face_heights(face));
+    let height = min(dot(weights, face_heights(face)), 1.0);
     switch face {
         // Of a wall's half, two corners stand above each other.
         case 4u: { return vec4(weights.x, weights.y + weights.z, 0.0, height); }

@@ -53,6 +53,7 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "feather_lighting.wgsl");
         load_shader_library!(app, "feather_near.wgsl");
         load_shader_library!(app, "feather_environment.wgsl");
+        load_shader_library!(app, "down_density.wgsl");
         load_shader_library!(app, "down_light.wgsl");
         load_shader_library!(app, "down_march.wgsl");
         load_shader_library!(app, "down_prism.wgsl");

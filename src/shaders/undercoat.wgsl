@@ -13,6 +13,7 @@
     march_jitter,
     march_length,
     march_mean_distance,
+    march_mip,
     march_over,
     march_step,
 }
@@ -89,6 +90,7 @@ fn place_of(
     gradient: data::Gradient,
     place: vec4<f32>,
     to_eye: vec3<f32>,
+    height_px: f32,
 ) -> light::Place {
     let weights = place.xyz;
     let z = clamp(place.w, 0.0, 1.0);
@@ -103,6 +105,7 @@ fn place_of(
     p.spread = mix(coat.fibre.x, coat.fibre.y, z);
     p.grad_u = gradient.u * height;
     p.grad_v = gradient.v * height;
+    p.level = march_mip(data::cells_along(p.grad_u) / max(height_px, 1e-3), 2.0);
     return p;
 }
 
@@ -123,10 +126,11 @@ fn pixel_noise(at: vec2<f32>) -> f32 {
 fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
     let cell = data::prism_at(in.start >> 4u, in.world);
     let to_eye = lighting::to_eye(vec4(in.world, 1.0));
-    let p = place_of(cell, data::tile_gradient(cell), in.place, to_eye);
+    let height_px = pixels_of(dot(cell.heights, in.place.xyz), in.world);
+    let p = place_of(cell, data::tile_gradient(cell), in.place, to_eye, height_px);
     let f = lighting::fragment_of(vec4(in.world, 1.0), p.normal, in.position, in.instance);
     let s = light::surroundings_of(f);
-    let extinction = data::extinction_at(p.at) * extinction_sine(dot(p.tangent, to_eye), p.spread);
+    let extinction = data::extinction_at(p.at, p.level) * extinction_sine(dot(p.tangent, to_eye), p.spread);
     // The way through the slab, not its thickness.
     let way = 1.0 / (f32(max(coat.steps.z, 1u)) * max(abs(dot(p.normal, to_eye)), 0.05));
     let alpha = 1.0 - exp(-extinction * way);
@@ -215,8 +219,9 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
 
     // The way through the shell, in heights of the coat.
     var j = journey_begin(in.start, origin, direction);
-    let entry = place_of(j.cell, data::tile_gradient(j.cell), j.walk.place, to_eye);
     let entry_height = dot(j.cell.heights, j.walk.place.xyz);
+    let height_px = pixels_of(entry_height, origin);
+    let entry = place_of(j.cell, data::tile_gradient(j.cell), j.walk.place, to_eye, height_px);
     var whole = 0.0;
     var cells = 0u;
     for (var i = 0u; i < MAX_CELLS; i++) {
@@ -232,7 +237,6 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     let end = j.t;
     let end_frame = data::frame_at(j.cell, j.place.xyz);
 
-    let height_px = pixels_of(entry_height, origin);
     let tier = tier_weights(height_px);
     let mean = coat.tip_colour.w * extinction_sine(dot(entry.tangent, direction), 0.5 * (coat.fibre.x + coat.fibre.y));
     let way = march_length(whole, mean, coat.skin.w);
@@ -261,8 +265,8 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
             let gradient = data::tile_gradient(j.cell);
             while (next < count && step.x * way <= walked + here) {
                 let x = saturate((step.x * way - walked) / max(here, 1e-9));
-                let p = place_of(j.cell, gradient, mix(j.walk.place, j.place, x), to_eye);
-                let extinction = data::extinction_at(p.at) * extinction_sine(dot(p.tangent, direction), p.spread);
+                let p = place_of(j.cell, gradient, mix(j.walk.place, j.place, x), to_eye, height_px);
+                let extinction = data::extinction_at(p.at, p.level) * extinction_sine(dot(p.tangent, direction), p.spread);
                 let depth = extinction * step.y * way;
                 if (depth > 1e-4) {
                     let before = march.transmittance;
@@ -321,7 +325,7 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     }
     alpha = 1.0;
 #endif
-    let depth_at = select(min(march_mean_distance(march), end), end, coat.shape.w < 0.5);
+    let depth_at = select(min(march_mean_distance(march), end), end - 0.05 * entry_height, coat.shape.w < 0.5);
     let clip = position_world_to_clip(origin + direction * depth_at);
     var out: FragmentOutput;
     out.color = lighting::finish(vec4(color, alpha), vec4(origin, 1.0), in.position);

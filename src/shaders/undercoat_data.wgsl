@@ -149,8 +149,13 @@ fn frame_at(cell: PrismCell, weights: vec3<f32>) -> Frame {
 }
 
 // Extinction of the tile, optical depth per height.
-fn extinction_at(place: vec3<f32>) -> f32 {
-    return coat.colour.w * textureSampleLevel(density_texture, tile_sampler, place, 0.0).r;
+fn extinction_at(place: vec3<f32>, level: f32) -> f32 {
+    return coat.colour.w * textureSampleLevel(density_texture, tile_sampler, place, level).r;
+}
+
+// Cells of the tile along a direction in which the place changes by `slope` tiles.
+fn cells_along(slope: vec3<f32>) -> f32 {
+    return f32(textureDimensions(density_texture, 0).x) * length(slope);
 }
 
 // Mean optical depth above a height.

@@ -86,6 +86,8 @@ struct Place {
     // Change of the place in the tile per height of the coat, towards a direction: of u and of v.
     grad_u: vec3<f32>,
     grad_v: vec3<f32>,
+    // Level of the density that a pixel resolves.
+    level: f32,
 }
 
 // Share of a light that reaches a place, by a march through the tile.
@@ -103,7 +105,7 @@ fn marched_visibility(p: Place, light: vec3<f32>, count: u32) -> f32 {
         let x = step.x * way;
         // A bent skin falls away below the ray.
         let rise = 0.5 * CURVATURE * x * x * (1.0 - mu * mu);
-        depth += data::extinction_at(p.at + x * slope + vec3(0.0, 0.0, rise)) * (step.y * way);
+        depth += data::extinction_at(p.at + x * slope + vec3(0.0, 0.0, rise), p.level) * (step.y * way);
     }
     return exp(-depth * sine);
 }
