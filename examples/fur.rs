@@ -34,7 +34,7 @@ fn main() {
             fov,
         };
         app.insert_resource(Shots {
-            hero: shot(1.2, 0.45, 1.4, 18.0),
+            hero: shot(1.2, 0.45, 1.4, 14.0),
             closeup: shot(0.35, 0.15, 0.3, 24.0),
             macro_: shot(0.2, 0.08, 0.16, 18.0),
             full: shot(2.0, 0.2, 0.0, 18.0),
@@ -104,6 +104,9 @@ fn strands(args: &Args) -> Option<GuardStrands> {
             ..default()
         }),
         FurMode::Hybrid => Some(GuardStrands {
+            density: 30.0,
+            length_mm: (13.0, 0.3),
+            radius_um: 70.0,
             colour: [0.60, 0.52, 0.44],
             tip_colour: [0.85, 0.78, 0.70],
             ..default()
@@ -171,6 +174,12 @@ fn bent_cylinder(radius: f32, bend: f32, along: u32, around: u32) -> Mesh {
         for step in 0..around {
             let turn = step as f32 / around as f32 * TAU;
             let ring = out * turn.cos() + Vec3::Z * turn.sin();
+            // One point at the poles.
+            let ring = if row == 0 || row == rows {
+                Vec3::ZERO
+            } else {
+                ring
+            };
             let normal = ring * cap.cos() + tangent * cap.sin();
             positions.push((middle + normal * radius).to_array());
             normals.push(normal.to_array());
@@ -270,8 +279,9 @@ fn dev(mut n: Local<u32>, server: Res<AssetServer>, mut shaders: ResMut<Assets<S
         {
             continue;
         }
-        let asset = format!("embedded://bevy_plumage/shaders/{name}");
-        if let Some(handle) = server.get_handle::<Shader>(asset.as_str()) {
+        let asset: &'static str =
+            Box::leak(format!("embedded://bevy_plumage/shaders/{name}").into_boxed_str());
+        if let Some(handle) = server.get_handle::<Shader>(asset) {
             let text = std::fs::read_to_string(&path).unwrap();
             let _ = shaders.insert(handle.id(), Shader::from_wgsl(text, asset));
         }

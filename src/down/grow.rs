@@ -5,7 +5,7 @@ use super::{
     UndercoatState,
     bake::{Baked, Bakes},
     hairs::{HairParts, StrandInput, grow_strands},
-    material::{FAR, StrandMaterial, UndercoatMaterial, UndercoatUniform},
+    material::{StrandMaterial, UndercoatMaterial, UndercoatUniform},
     pack::{PackedShell, ShellShape},
 };
 use crate::groom::{PlumageCards, PlumageRepeat, SkinMesh};
@@ -48,10 +48,21 @@ pub(super) struct GrowJob {
     task: Option<Task<Vec<Result<Grown, String>>>>,
 }
 
-struct Grown {
+pub(super) struct Grown {
     shell: PackedShell,
     coat: Option<Mesh>,
     strands: Option<HairParts>,
+}
+
+impl Grown {
+    /// A shell drawn as a volume.
+    pub(super) fn volume(shell: PackedShell) -> Self {
+        Self {
+            coat: Some(shell.outside()),
+            shell,
+            strands: None,
+        }
+    }
 }
 
 /// One mesh as the worker gets it.
@@ -349,7 +360,6 @@ pub(super) fn uniform_of(
         ),
         bands: table.bands,
         column: table.column,
-        far: [Vec4::ZERO; FAR * FAR],
     }
 }
 
@@ -430,21 +440,22 @@ pub(super) fn finish(
 pub(super) struct Stores<'w> {
     meshes: ResMut<'w, Assets<Mesh>>,
     buffers: ResMut<'w, Assets<ShaderBuffer>>,
-    images: ResMut<'w, Assets<Image>>,
+    pub(super) images: ResMut<'w, Assets<Image>>,
     coats: ResMut<'w, Assets<UndercoatMaterial>>,
     strands: ResMut<'w, Assets<StrandMaterial>>,
 }
 
 /// What a shell is spawned with.
-struct Wear<'a> {
-    owner: Entity,
-    skin: Entity,
-    down: &'a Down,
-    baked: &'a Baked,
-    coat: &'a Undercoat,
-    strands: Option<&'a GuardStrands>,
-    settings: &'a UndercoatSettings,
-    over_skin: bool,
+pub(super) struct Wear<'a> {
+    pub owner: Entity,
+    pub skin: Entity,
+    pub down: &'a Down,
+    pub baked: &'a Baked,
+    pub coat: &'a Undercoat,
+    pub strands: Option<&'a GuardStrands>,
+    pub settings: &'a UndercoatSettings,
+    /// The depth written is that of the skin: whatever lies over the skin covers the coat.
+    pub over_skin: bool,
 }
 
 fn storage(data: Vec<u8>, label: &'static str) -> ShaderBuffer {
@@ -456,13 +467,14 @@ fn storage(data: Vec<u8>, label: &'static str) -> ShaderBuffer {
 }
 
 impl Wear<'_> {
-    fn spawn(
+    /// Spawns one shell below its skin; the entity that draws the volume, if any does.
+    pub(super) fn spawn(
         &self,
         commands: &mut Commands,
         assets: &mut Stores,
         grown: Grown,
         state: &mut UndercoatState,
-    ) {
+    ) -> Option<Entity> {
         let shell = &grown.shell.shell;
         let (nodes, prisms) = (shell.vertices.len() as u32, shell.prisms.len() as u32);
         state.prisms += prisms;
@@ -557,6 +569,7 @@ impl Wear<'_> {
             nodes,
             prisms,
         });
+        coat
     }
 }
 
@@ -574,9 +587,13 @@ pub(super) fn apply_settings(
         if !settings.is_changed() && quality.as_ref().is_none_or(|quality| !quality.is_changed()) {
             continue;
         }
-        let (Some(coat), Ok(undercoat)) = (shell.coat, coats.get(shell.owner)) else {
+        let Some(coat) = shell.coat else {
             continue;
         };
+        let tier = coats
+            .get(shell.owner)
+            .map(|coat| coat.tier)
+            .unwrap_or_default();
         let quality = quality.map_or(*settings, |quality| quality.0);
         let Some(mut material) = worn
             .get(coat)
@@ -587,7 +604,7 @@ pub(super) fn apply_settings(
         };
         let uniform = &mut material.uniform;
         uniform.counts.z = quality.view as u32;
-        uniform.counts.w = undercoat.tier as u32;
+        uniform.counts.w = tier as u32;
         uniform.steps.x = quality.eye_steps.clamp(4, 64);
         uniform.steps.y = quality.light_steps.min(16);
         uniform.steps.w = u32::from(quality.jitter);

@@ -18,8 +18,6 @@ use bevy::{
 
 /// Samples of the mean column.
 pub const COLUMN: usize = 32;
-/// Entries of the far table along each angle.
-pub const FAR: usize = 8;
 
 /// One coat as the shader reads it (`UndercoatUniform` in `undercoat_data.wgsl`).
 #[derive(Clone, Copy, Debug, PartialEq, ShaderType)]
@@ -42,8 +40,6 @@ pub struct UndercoatUniform {
     pub bands: [Vec4; 8],
     /// Mean optical depth above each height, in heights 0..1.
     pub column: [Vec4; COLUMN / 4],
-    /// Albedo of the coat over the cosines of eye and light, red, green, blue; and what the sky gives.
-    pub far: [Vec4; FAR * FAR],
 }
 
 /// What makes two coats want different pipelines.

@@ -13,6 +13,7 @@
 //! | `component` | what apps put on entities |
 //! | `bake` | the tile, its transfer and its tables, once for each down |
 //! | `grow`, `pack`, `hairs` | shells and strands over meshes |
+//! | `tract` | down below the feathers of a bird, and when it is drawn |
 //! | `material`, `extrude`, `plugin` | what a frame draws |
 
 mod asset;
@@ -38,6 +39,7 @@ pub mod slabs;
 pub mod strands;
 pub mod texture;
 pub mod tile;
+mod tract;
 pub mod transfer;
 mod vector;
 pub mod walk;
@@ -54,3 +56,4 @@ pub use loader::DownLoader;
 pub use material::{StrandMaterial, StrandUniform, UndercoatMaterial, UndercoatUniform};
 pub use plugin::UndercoatPlugin;
 pub use tile::Tile;
+pub use tract::{draws_down, skin_visibility};

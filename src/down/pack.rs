@@ -83,7 +83,13 @@ fn tile_place(position: Vec3, normal: Vec3, shape: &ShellShape) -> Vec2 {
     } else {
         Vec2::new(position.x, position.y)
     };
-    flat / shape.tile.max(f32::MIN_POSITIVE) + shape.offset
+    let place = flat / shape.tile.max(f32::MIN_POSITIVE);
+    // Wandering, so that the eye finds no rows of tiles.
+    let wander = |phase: f32| {
+        let p = position / shape.tile.max(f32::MIN_POSITIVE) * 1.7;
+        (p.x + phase).sin() * (p.y * 0.8 + 2.0 * phase).cos() + (p.z * 0.9 + 3.0 * phase).sin()
+    };
+    place + 0.12 * Vec2::new(wander(0.3), wander(1.9)) + shape.offset
 }
 
 impl PackedShell {
@@ -122,6 +128,7 @@ impl PackedShell {
         let shell = Shell::build(&positions, &indices, &heights)
             .map_err(|error| fail(error.to_string()))?;
         let mut bytes = vec![0; 16 * NODE_VEC4S as usize * shell.vertices.len()];
+        bytes.reserve(16 * PRISM_VEC4S as usize * shell.prisms.len());
         for prism in &shell.prisms {
             let words = prism.words();
             put_words(&mut bytes, [words[0], words[1], words[2], words[3]]);
@@ -158,17 +165,6 @@ impl PackedShell {
             );
         }
         Ok(Self { shell, bytes, rest })
-    }
-
-    /// Centre and radius of a ball around the shell at rest, model units.
-    pub fn ball(&self) -> (Vec3, f32) {
-        let tops = || {
-            let ends = |v: &super::shell::ShellVertex| [v.position.into(), v.top().into()];
-            self.shell.vertices.iter().flat_map(ends)
-        };
-        let low = tops().fold(Vec3::INFINITY, Vec3::min);
-        let high = tops().fold(Vec3::NEG_INFINITY, Vec3::max);
-        (0.5 * (low + high), 0.5 * (high - low).length())
     }
 
     /// The outside of the shell: what rays enter through.

@@ -6,6 +6,7 @@ use super::{
     extrude::ExtrudePlugin,
     grow,
     material::{StrandMaterial, UndercoatMaterial},
+    tract,
 };
 use crate::shaders::ShadersPlugin;
 use bevy::{
@@ -50,6 +51,8 @@ impl Plugin for UndercoatPlugin {
                     grow::tend,
                     grow::start,
                     grow::finish,
+                    tract::find_tracts,
+                    tract::tend_tracts,
                     grow::apply_settings,
                 )
                     .chain()

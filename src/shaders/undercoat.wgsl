@@ -11,7 +11,6 @@
     march_add,
     march_begin,
     march_jitter,
-    march_length,
     march_mean_distance,
     march_mip,
     march_over,
@@ -222,12 +221,25 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     let entry_height = dot(j.cell.heights, j.walk.place.xyz);
     let height_px = pixels_of(entry_height, origin);
     let entry = place_of(j.cell, data::tile_gradient(j.cell), j.walk.place, to_eye, height_px);
-    var whole = 0.0;
+    // It ends where the mean coat along it is opaque: at the tips that is further on than deep inside.
+    let sine = extinction_sine(dot(entry.tangent, direction), 0.5 * (coat.fibre.x + coat.fibre.y));
+    let clip_depth = coat.skin.w / max(sine, 0.05);
+    var way = 0.0;
+    var depth_so_far = 0.0;
     var cells = 0u;
+    var clipped = false;
     for (var i = 0u; i < MAX_CELLS; i++) {
         let face = journey_across(&j, direction);
-        whole += (j.t - j.walk.t) / max(dot(j.cell.heights, 0.5 * (j.place.xyz + j.walk.place.xyz)), 1e-7);
+        let here = (j.t - j.walk.t) / max(dot(j.cell.heights, 0.5 * (j.place.xyz + j.walk.place.xyz)), 1e-7);
+        let depth = here * data::mean_extinction(0.5 * (j.place.w + j.walk.place.w));
         cells += 1u;
+        if (depth_so_far + depth >= clip_depth) {
+            way += here * saturate((clip_depth - depth_so_far) / max(depth, 1e-9));
+            clipped = true;
+            break;
+        }
+        way += here;
+        depth_so_far += depth;
         journey_on(&j, face, origin, direction);
         if (j.ended != GOING) {
             break;
@@ -238,9 +250,6 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     let end_frame = data::frame_at(j.cell, j.place.xyz);
 
     let tier = tier_weights(height_px);
-    let mean = coat.tip_colour.w * extinction_sine(dot(entry.tangent, direction), 0.5 * (coat.fibre.x + coat.fibre.y));
-    let way = march_length(whole, mean, coat.skin.w);
-    let clipped = way < 0.999 * whole;
     let steps = mix(0.5, 1.0, tier.x) * f32(coat.steps.x);
     var jitter = 0.5;
     if (coat.steps.w != 0u) {
@@ -294,16 +303,14 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     let seen = max(1.0 - march.transmittance, 1e-4);
     var color = march.radiance / seen;
     var alpha = 1.0;
-    if (!clipped) {
-        if (on_skin) {
-            color = march_over(march, light::skin_radiance(f, s, end_frame.normal));
-        } else {
-            alpha = 1.0 - march.transmittance;
-        }
-    }
-    // A coat thinner than a pixel covers that much of it.
-    if (!on_skin) {
-        alpha *= min(height_px, 1.0);
+    if (clipped) {
+        // A gap in the coat, where its mean is opaque.
+        alpha = saturate(4.0 * seen);
+    } else if (on_skin) {
+        color = march_over(march, light::skin_radiance(f, s, end_frame.normal));
+    } else {
+        // A coat thinner than a pixel covers that much of it.
+        alpha = (1.0 - march.transmittance) * min(height_px, 1.0);
     }
     color *= lighting::exposure();
     switch coat.counts.z {

@@ -19,7 +19,6 @@ struct UndercoatUniform {
     shape: vec4<f32>,
     bands: array<vec4<f32>, 8>,
     column: array<vec4<f32>, 8>,
-    far: array<vec4<f32>, 64>,
 }
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> coat: UndercoatUniform;
@@ -165,4 +164,10 @@ fn column_above(height: f32) -> f32 {
     let a = coat.column[i / 4u][i % 4u];
     let b = coat.column[(i + 1u) / 4u][(i + 1u) % 4u];
     return mix(a, b, x - f32(i));
+}
+
+// Mean extinction at a height.
+fn mean_extinction(height: f32) -> f32 {
+    let low = clamp(height - 0.04, 0.0, 0.92);
+    return max(column_above(low) - column_above(low + 0.08), 0.0) * 12.5;
 }
