@@ -244,6 +244,19 @@ impl Density {
         &self.column
     }
 
+    /// Power of the mean column, for [`mean_extinction`](super::march::mean_extinction): 1 for a uniform tile, more where the top is
+    /// clear. The column's mean over height is right.
+    pub fn power(&self) -> f32 {
+        let layers = self.column.len() - 1;
+        let sum = self
+            .column
+            .windows(2)
+            .map(|c| 0.5 * (c[0] + c[1]))
+            .sum::<f32>();
+        let mean = sum / layers as f32;
+        (self.mean() / mean.max(1e-6) - 1.0).clamp(1.0, 8.0)
+    }
+
     /// Extinction at a place, linear between cells and between levels; u and v wrap, z is clamped.
     pub fn sample<T: Real>(&self, place: [T; 3], level: T) -> T {
         let deepest = T::of((self.levels.len() - 1) as f64);

@@ -57,13 +57,29 @@ impl<T: Real> March<T> {
     }
 }
 
-/// Length of a ray worth marching: `length`, or where the mean medium (extinction `mean`) reaches the depth `clip`.
-///
-/// What lies behind is hidden: the last step's end counts as opaque (undercoat study A3).
+/// Length of a ray worth marching through a uniform medium: `length`, or where its extinction `mean` has come to the depth `clip`.
 pub fn march_length<T: Real>(length: T, mean: T, clip: T) -> T {
     length
         .max(T::zero())
         .min(clip.max(T::zero()) / mean.max(T::of(1e-6)))
+}
+
+/// Mean extinction at a height, per height of the coat, of a coat with the vertical optical depth `depth` whose mean column is
+/// `depth (1 - z)^power` ([`Density::power`](super::Density::power); 1 for a uniform one).
+pub fn mean_extinction<T: Real>(z: T, depth: T, power: T) -> T {
+    let p = clamp(power, T::one(), T::of(8.0));
+    depth.max(T::zero()) * p * (T::one() - clamp(z, T::zero(), T::one())).powf(p - T::one())
+}
+
+/// Height where a ray with the cosine `mu` to the normal, coming from the top, has met the mean optical depth `clip`; 0 where it
+/// reaches the skin first. A ray need not be marched below it: what is left over the skin then counts as lit like the last step.
+///
+/// The top of a clumpy coat is nearly clear: [`march_length`] with one mean extinction would cut grazing rays off before they meet
+/// anything.
+pub fn march_floor<T: Real>(mu: T, depth: T, power: T, clip: T) -> T {
+    let p = clamp(power, T::one(), T::of(8.0));
+    let share = clip.max(T::zero()) * mu.max(T::zero()) / depth.max(T::of(1e-6));
+    T::one() - share.min(T::one()).powf(T::one() / p)
 }
 
 /// Where sample `i` lies and how long its step is, both as shares of the ray. `count` (1..=64) may be fractional: the last step is
@@ -73,6 +89,15 @@ pub fn march_step<T: Real>(i: u32, count: T, jitter: T) -> (T, T) {
     let first = T::of(f64::from(i));
     let width = clamp(count - first, T::zero(), T::one());
     ((first + jitter * width) / count, width / count)
+}
+
+/// Where in a step of optical depth `depth` its light is met, as a share of it from the eye's side: half-way between the middle and
+/// the mean place of what is seen of a uniform step, because coats grow denser downwards. Cuts the bias of 16 steps to a half or less.
+pub fn march_lit<T: Real>(depth: T) -> T {
+    // The mean place is 1 / d - 1 / (exp(d) - 1); three terms of its inverse, error 0.006 up to a depth of 4.
+    let d = clamp(depth, T::zero(), T::of(8.0));
+    let mean = T::one() / (T::of(2.0) + d * T::of(1.0 / 3.0) + d * d * T::of(1.0 / 18.0));
+    T::of(0.25) + T::of(0.5) * mean
 }
 
 /// Jitter of a pixel in a frame: `noise` (blue noise of the pixel, 0..1, never of the place in the world) advanced by the golden

@@ -63,7 +63,8 @@ fn light_exit(height: f32, cosine: f32, curvature: f32) -> f32 {
     let k = clamp(curvature, 0.0, 1.0);
     let here = 1.0 + z * k;
     let sine = (1.0 - mu * mu) * here * here;
-    if mu <= 0.0 && (k == 0.0 || sine <= 1.0) {
+    let shadowed = sine <= 1.0 && mu < 0.0;
+    if select(mu <= 0.0, shadowed, k > 0.0) {
         return 64.0;
     }
     let root = sqrt(max((1.0 + k) * (1.0 + k) - sine, 0.0));
@@ -92,13 +93,15 @@ fn column_transmittance(column: f32, mu: f32) -> f32 {
     if mu <= 0.0 {
         return 0.0;
     }
-    return exp(-max(column, 0.0) / max(mu, 1e-3));
+    return exp(-clamp(column, 0.0, 1e4) / clamp(mu, 1e-3, 1.0));
 }
 
 fn scattering_h(mu: f32, albedo: vec3<f32>) -> vec3<f32> {
-    let two = 2.0 * clamp(mu, 0.0, 1.0);
-    let root = sqrt(1.0 - clamp(albedo, vec3(0.0), vec3(1.0)));
-    return (1.0 + two) / (1.0 + two * root);
+    let x = clamp(mu, 1e-4, 1.0);
+    let a = clamp(albedo, vec3(0.0), vec3(1.0));
+    let root = sqrt(1.0 - a);
+    let r = (1.0 - root) / (1.0 + root);
+    return 1.0 / (1.0 - a * x * (r + (0.5 - r * x) * log((1.0 + x) / x)));
 }
 
 fn scattering_albedo(albedo: vec3<f32>, skin: vec3<f32>, depth: f32) -> vec3<f32> {

@@ -57,6 +57,7 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "down_light.wgsl");
         load_shader_library!(app, "down_march.wgsl");
         load_shader_library!(app, "down_prism.wgsl");
+        load_shader_library!(app, "down_tier.wgsl");
         load_shader_library!(app, "down_walk.wgsl");
         load_shader_library!(app, "undercoat_data.wgsl");
         load_shader_library!(app, "undercoat_lighting.wgsl");

@@ -1,7 +1,7 @@
 //! Meshes and the brute-force judge of the shell's walk.
 #![allow(dead_code)]
 
-use bevy_plumage::down::shell::{Shell, ShellFace};
+use bevy_plumage::down::shell::Shell;
 use rand::{Rng, RngExt};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -107,9 +107,9 @@ pub fn fan() -> Skin {
 /// The skins of the walk's test.
 pub fn skins() -> Vec<Skin> {
     vec![
-        torus("torus", 60, 28, 0.0, false, 0.1),
-        torus("open torus", 60, 28, 0.0, true, 0.1),
-        torus("bumpy torus", 80, 48, 0.15, false, 0.1),
+        torus("torus", 40, 20, 0.0, false, 0.1),
+        torus("open torus", 40, 20, 0.0, true, 0.1),
+        torus("bumpy torus", 56, 32, 0.15, false, 0.1),
         fan(),
     ]
 }
@@ -132,59 +132,79 @@ fn inner(a: V, b: V) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// One tetrahedron, independent of the walk's tables: any four points.
-struct Tet {
-    points: [V; 4],
+/// What belongs to one prism, inside a sphere: tetrahedra (any four points), and triangles where a ray may enter, with their start.
+struct Block {
     centre: V,
     radius: f64,
+    tets: Vec<[V; 4]>,
+    faces: Vec<([V; 3], u32)>,
 }
 
 /// All tetrahedra of a shell, to be cut one by one.
 pub struct Brute {
-    tets: Vec<Tet>,
+    blocks: Vec<Block>,
 }
 
 impl Brute {
     /// Every prism as three tetrahedra between its corners, by the ids of their vertices.
     pub fn new(shell: &Shell) -> Self {
-        let mut tets = Vec::new();
-        for prism in shell.prisms.iter().filter(|p| !p.is_empty()) {
-            let mut ids = prism.corners;
-            ids.sort_unstable();
-            let low = ids.map(|v| shell.vertices[v as usize].position.map(f64::from));
+        let point = |c: u32| {
+            let v = &shell.vertices[c as usize / 2];
             // The same rounding as the shell's own corners: those are what is judged, not the extrusion.
-            let high = ids.map(|v| shell.vertices[v as usize].top().map(f64::from));
-            for points in [
-                [low[0], low[1], low[2], high[2]],
-                [low[0], low[1], high[1], high[2]],
-                [low[0], high[0], high[1], high[2]],
-            ] {
-                let centre = [0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / 4.0);
-                let far = points
-                    .iter()
-                    .map(|p| inner(minus(*p, centre), minus(*p, centre)));
-                let radius = far.fold(0.0, f64::max).sqrt();
-                tets.push(Tet {
-                    points,
+            if c & 1 == 1 { v.top() } else { v.position }.map(f64::from)
+        };
+        let mut blocks = shell
+            .prisms
+            .iter()
+            .enumerate()
+            .map(|(i, prism)| {
+                let mut ids = prism.corners;
+                ids.sort_unstable();
+                let (low, high) = (ids.map(|v| point(2 * v)), ids.map(|v| point(2 * v + 1)));
+                let all = low.iter().chain(&high);
+                let centre = [0, 1, 2].map(|k| all.clone().map(|p| p[k]).sum::<f64>() / 6.0);
+                let far = all.map(|p| inner(minus(*p, centre), minus(*p, centre)));
+                let radius = far.fold(0.0, f64::max).sqrt() * 1.000_001;
+                let tets = vec![
+                    [low[0], low[1], low[2], high[2]],
+                    [low[0], low[1], high[1], high[2]],
+                    [low[0], high[0], high[1], high[2]],
+                ];
+                // The skin as seen from the body: the mesh's triangle turned around.
+                let [a, b, c] = prism.corners.map(|v| 2 * v);
+                let clockwise = prism.order & 64 != 0;
+                let skin = if clockwise { [a, b, c] } else { [a, c, b] };
+                Block {
                     centre,
                     radius,
-                });
-            }
+                    tets: if prism.is_empty() { Vec::new() } else { tets },
+                    faces: vec![(skin.map(point), i as u32 * 16)],
+                }
+            })
+            .collect::<Vec<_>>();
+        for face in &shell.faces {
+            let corners = face.corners.map(point);
+            blocks[face.start as usize / 16]
+                .faces
+                .push((corners, face.start));
         }
-        Self { tets }
+        blocks.retain(|b| !b.tets.is_empty());
+        Self { blocks }
+    }
+
+    fn near(&self, origin: V, direction: V) -> impl Iterator<Item = &Block> {
+        self.blocks.iter().filter(move |block| {
+            let off = times(minus(block.centre, origin), direction);
+            inner(off, off) <= block.radius * block.radius
+        })
     }
 
     /// The intervals of a ray (unit direction, t > 0) inside the shell, ordered and joined where they touch within `gap`.
     pub fn intervals(&self, origin: V, direction: V, gap: f64) -> Vec<(f64, f64)> {
         let mut cut = self
-            .tets
-            .iter()
-            .filter(|tet| {
-                let off = times(minus(tet.centre, origin), direction);
-                inner(off, off) <= tet.radius * tet.radius * 1.000_001
-            })
-            .filter_map(|tet| clip(&tet.points, origin, direction))
-            .filter(|(from, to)| to > from)
+            .near(origin, direction)
+            .flat_map(|block| &block.tets)
+            .filter_map(|tet| clip(tet, origin, direction))
             .collect::<Vec<_>>();
         cut.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut joined: Vec<(f64, f64)> = Vec::new();
@@ -195,6 +215,31 @@ impl Brute {
             }
         }
         joined
+    }
+
+    /// Triangles where a ray enters the shell (front faces of its outside, and the skin from below), nearest first: `(t, start)`. A
+    /// hit on an edge counts for all its triangles.
+    pub fn entries(&self, origin: V, direction: V) -> Vec<(f64, u32)> {
+        let mut hits = self
+            .near(origin, direction)
+            .flat_map(|block| &block.faces)
+            .filter_map(|([p, q, r], start)| {
+                let n = times(minus(*q, *p), minus(*r, *p));
+                let slope = inner(n, direction);
+                if slope >= 0.0 {
+                    return None;
+                }
+                let t = inner(n, minus(*p, origin)) / slope;
+                let x = [0, 1, 2].map(|k| origin[k] + t * direction[k]);
+                let size = inner(n, n);
+                let inside = [(p, q), (q, r), (r, p)]
+                    .iter()
+                    .all(|(a, b)| inner(times(minus(**b, **a), minus(x, **a)), n) >= -1e-9 * size);
+                (t > 0.0 && inside).then_some((t, *start))
+            })
+            .collect::<Vec<_>>();
+        hits.sort_by(|a, b| a.0.total_cmp(&b.0));
+        hits
     }
 }
 
@@ -284,52 +329,6 @@ pub fn ray(shell: &Shell, aim: Aim, rng: &mut impl Rng) -> (V, V) {
             (origin, unit(minus(target, origin)))
         }
     }
-}
-
-/// Triangles where a ray enters the shell (front faces of its outside, and the skin from below), nearest first: `(t, start)`. Every triangle is tested; a hit on an edge counts for
-/// all its triangles, duplicates within `gap` are dropped.
-pub fn entries(shell: &Shell, origin: V, direction: V, gap: f64) -> Vec<(f64, u32)> {
-    // The skin as seen from the body: the mesh's triangles turned around.
-    let skin = shell
-        .prisms
-        .iter()
-        .enumerate()
-        .filter(|(_, p)| !p.is_empty());
-    let skin = skin.map(|(i, prism)| {
-        let [a, b, c] = prism.corners.map(|v| 2 * v);
-        let clockwise = prism.order & 64 != 0;
-        ShellFace {
-            corners: if clockwise { [a, b, c] } else { [a, c, b] },
-            start: i as u32 * 16,
-        }
-    });
-    let mut hits = shell
-        .faces
-        .iter()
-        .copied()
-        .chain(skin)
-        .filter_map(|face| {
-            let [p, q, r] = face.corners.map(|c| {
-                let v = &shell.vertices[c as usize / 2];
-                if c & 1 == 1 { v.top() } else { v.position }.map(f64::from)
-            });
-            let n = times(minus(q, p), minus(r, p));
-            let slope = inner(n, direction);
-            if slope >= 0.0 {
-                return None;
-            }
-            let t = inner(n, minus(p, origin)) / slope;
-            let x = [0, 1, 2].map(|k| origin[k] + t * direction[k]);
-            let size = inner(n, n);
-            let inside = [(p, q), (q, r), (r, p)]
-                .iter()
-                .all(|(a, b)| inner(times(minus(*b, *a), minus(x, *a)), n) >= -1e-9 * size);
-            (t > 0.0 && inside).then_some((t, face.start))
-        })
-        .collect::<Vec<_>>();
-    hits.sort_by(|a, b| a.0.total_cmp(&b.0));
-    hits.dedup_by(|b, a| b.0 - a.0 < gap);
-    hits
 }
 
 /// Sums `f` over the numbers below `count`, on all processors.

@@ -1,6 +1,8 @@
 //! Which prism lies behind each wall, by directed edges, and the outside of the shell.
 
-use super::{FACE_CORNERS, NO_LINK, Prism, Shell, ShellFace, TET_FACES, WALL_TETS};
+use super::{
+    FACE_CORNERS, NO_LINK, Prism, Shell, ShellFace, ShellReport, ShellVertex, TET_FACES, WALL_TETS,
+};
 use crate::down::vector::{cross, dot, sub};
 use std::collections::{HashMap, HashSet};
 
@@ -28,29 +30,129 @@ fn sorted(triangle: &[u32; 3], index: usize, empty: bool) -> Prism {
     }
 }
 
-pub(super) fn link(shell: &mut Shell, triangles: &[[u32; 3]]) {
-    let area = |t: &[u32; 3]| {
-        let [p, q, r] = t.map(|v| shell.vertices[v as usize].position.map(f64::from));
-        let n = cross(sub(q, p), sub(r, p));
-        dot(n, n).sqrt()
-    };
-    let empty = triangles
-        .iter()
-        .map(|t| t[0] == t[1] || t[1] == t[2] || t[2] == t[0] || area(t) < SMALLEST)
-        .collect::<Vec<_>>();
-    shell.report.degenerate = empty.iter().filter(|e| **e).count();
+/// Who owns each directed edge.
+struct Edges {
+    /// Triangles without area: they own none.
+    empty: Vec<bool>,
+    owner: HashMap<u64, u32>,
+    /// Edges (lower vertex first) with a direction that two triangles claim.
+    torn: HashSet<u64>,
+}
 
-    let edges = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
-    let sound = || triangles.iter().enumerate().filter(|(i, _)| !empty[*i]);
-    let mut owner: HashMap<u64, u32> = HashMap::with_capacity(3 * triangles.len());
-    let mut shared: HashSet<u64> = HashSet::new();
-    for (i, t) in sound() {
+impl Edges {
+    fn find(vertices: &[ShellVertex], triangles: &[[u32; 3]]) -> Self {
+        let area = |t: &[u32; 3]| {
+            let [p, q, r] = t.map(|v| vertices[v as usize].position.map(f64::from));
+            let n = cross(sub(q, p), sub(r, p));
+            dot(n, n).sqrt()
+        };
+        let empty = triangles
+            .iter()
+            .map(|t| t[0] == t[1] || t[1] == t[2] || t[2] == t[0] || area(t) < SMALLEST)
+            .collect::<Vec<_>>();
+        let mut owner = HashMap::with_capacity(3 * triangles.len());
+        let mut torn = HashSet::new();
+        for (i, t) in triangles.iter().enumerate().filter(|(i, _)| !empty[*i]) {
+            for (from, to) in edges(t) {
+                if owner.insert(key(from, to), i as u32).is_some() {
+                    torn.insert(key(from.min(to), from.max(to)));
+                }
+            }
+        }
+        Self { empty, owner, torn }
+    }
+
+    fn is_torn(&self, from: u32, to: u32) -> bool {
+        self.torn.contains(&key(from.min(to), from.max(to)))
+    }
+
+    /// The triangle on the other side of an edge.
+    fn across(&self, from: u32, to: u32) -> Option<u32> {
+        let other = self.owner.get(&key(to, from)).copied();
+        other.filter(|_| !self.is_torn(from, to))
+    }
+}
+
+fn edges(t: &[u32; 3]) -> [(u32, u32); 3] {
+    [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]
+}
+
+fn root(parents: &mut [u32], mut i: u32) -> u32 {
+    while parents[i as usize] != i {
+        parents[i as usize] = parents[parents[i as usize] as usize];
+        i = parents[i as usize];
+    }
+    i
+}
+
+/// Gives every sheet of skin its own vertices where sheets only touch, so that each rises along its own normal. The welded vertices
+/// and triangles become those of the shell; the torn edges among them come back.
+pub(super) fn split(
+    vertices: &mut Vec<ShellVertex>,
+    triangles: &mut [[u32; 3]],
+    report: &mut ShellReport,
+) -> HashSet<u64> {
+    let found = Edges::find(vertices, triangles);
+    report.non_manifold_edges = found.torn.len();
+    let mut parents = (0..3 * triangles.len() as u32).collect::<Vec<_>>();
+    for (i, t) in triangles
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| !found.empty[*i])
+    {
         for (from, to) in edges(t) {
-            if owner.insert(key(from, to), i as u32).is_some() {
-                shared.insert(key(from.min(to), from.max(to)));
+            let Some(other) = found.across(from, to) else {
+                continue;
+            };
+            for v in [from, to] {
+                let corner = |t: &[u32; 3]| t.iter().position(|w| *w == v).unwrap_or(0) as u32;
+                let mine = root(&mut parents, 3 * i as u32 + corner(t));
+                let theirs = 3 * other + corner(&triangles[other as usize]);
+                let theirs = root(&mut parents, theirs);
+                parents[mine.max(theirs) as usize] = mine.min(theirs);
             }
         }
     }
+    // The first sheet at a place keeps the vertex, the others get copies of it.
+    let mut owner = vec![NO_LINK; vertices.len()];
+    let mut copies: HashMap<u32, u32> = HashMap::new();
+    let mut places = (0..vertices.len() as u32).collect::<Vec<_>>();
+    for (i, triangle) in triangles.iter_mut().enumerate() {
+        if found.empty[i] {
+            continue;
+        }
+        for (k, v) in triangle.iter_mut().enumerate() {
+            let sheet = root(&mut parents, (3 * i + k) as u32);
+            let place = *v;
+            if owner[place as usize] == NO_LINK {
+                owner[place as usize] = sheet;
+            } else if owner[place as usize] != sheet {
+                *v = *copies.entry(sheet).or_insert_with(|| {
+                    vertices.push(vertices[place as usize]);
+                    places.push(place);
+                    vertices.len() as u32 - 1
+                });
+            }
+        }
+    }
+    // In the ids of the new vertices, for those that count boundaries.
+    let mut torn = HashSet::new();
+    for t in triangles.iter() {
+        for (from, to) in edges(t) {
+            let (p, q) = (places[from as usize], places[to as usize]);
+            if found.is_torn(p, q) {
+                torn.insert(key(from.min(to), from.max(to)));
+            }
+        }
+    }
+    torn
+}
+
+pub(super) fn link(shell: &mut Shell, triangles: &[[u32; 3]], torn: &HashSet<u64>) {
+    let found = Edges::find(&shell.vertices, triangles);
+    let empty = &found.empty;
+    shell.report.degenerate = empty.iter().filter(|e| **e).count();
+    let sound = || triangles.iter().enumerate().filter(|(i, _)| !empty[*i]);
 
     let mut prisms = triangles
         .iter()
@@ -70,20 +172,17 @@ pub(super) fn link(shell: &mut Shell, triangles: &[[u32; 3]]) {
             let Some(own) = wall(&prisms[i]) else {
                 continue;
             };
-            let torn = shared.contains(&key(pair.0, pair.1));
-            let other = owner.get(&key(to, from)).filter(|_| !torn);
-            if let Some((other, theirs)) =
-                other.and_then(|o| Some((*o, wall(&prisms[*o as usize])?)))
+            let other = found.across(from, to);
+            if let Some((other, theirs)) = other.and_then(|o| Some((o, wall(&prisms[o as usize])?)))
             {
                 prisms[i].links[own] = other * 4 + theirs as u32;
             } else {
-                boundary += usize::from(!torn);
+                boundary += usize::from(!torn.contains(&key(pair.0, pair.1)));
                 walls.push((i, own as u32));
             }
         }
     }
     shell.report.boundary_edges = boundary;
-    shell.report.non_manifold_edges = shared.len();
     shell.prisms = prisms;
 
     let face = |prism: usize, code: u32| outside(&shell.prisms[prism], prism, code);

@@ -84,7 +84,7 @@ pub enum ShellError {
     TooMany(usize),
 }
 
-/// A welded vertex of the skin. 32 bytes on the GPU.
+/// A welded vertex of the skin (sheets that only touch have their own). 32 bytes on the GPU.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShellVertex {
     /// Place on the skin, in the units and axes of the mesh.
@@ -209,11 +209,12 @@ impl Shell {
     ) -> Result<Self, ShellError> {
         check(positions, indices, heights)?;
         let mut report = ShellReport::default();
-        let (vertices, ids) = weld::weld(positions, heights, &mut report);
-        let triangles = indices
+        let (mut vertices, ids) = weld::weld(positions, heights, &mut report);
+        let mut triangles = indices
             .chunks_exact(3)
             .map(|t| [0, 1, 2].map(|k: usize| ids[t[k] as usize]))
             .collect::<Vec<_>>();
+        let torn = links::split(&mut vertices, &mut triangles, &mut report);
         let mut shell = Self {
             vertices,
             prisms: Vec::new(),
@@ -223,7 +224,7 @@ impl Shell {
         };
         weld::normals(&mut shell.vertices, &triangles);
         height::limit(&mut shell.vertices, &triangles, &mut shell.report);
-        links::link(&mut shell, &triangles);
+        links::link(&mut shell, &triangles, &torn);
         Ok(shell)
     }
 
