@@ -2,10 +2,11 @@
 CARGO ?= cargo
 ARGS ?=
 
-.PHONY: help parrot eagle single inspector test gallery charts bench docs birds feathers tables setup
+.PHONY: help parrot eagle single fur chick inspector test gallery charts bench docs birds feathers tables setup
 
 help:
 	@echo "make parrot | eagle | single   show the example (off screen without a display); ARGS='--camera closeup' passes options"
+	@echo "make fur | chick               fur on a bent cylinder; a young bird in its down"
 	@echo "make inspector                 a parrot with every panel of the editor"
 	@echo "make test                      format, lints, tests, documentation, shaders"
 	@echo "make gallery                   all pictures of the README"
@@ -15,7 +16,7 @@ help:
 setup:
 	@./scripts/setup.sh
 
-parrot eagle: setup
+parrot eagle fur chick: setup
 	$(CARGO) run --example $@ -- $(ARGS)
 
 single: setup

@@ -46,10 +46,13 @@ fn grid(columns: u32, rows: u32, wrap: (bool, bool), place: impl Fn(f32, f32) ->
             indices.extend([a, b, c, a, c, d]);
         }
     }
-    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-        .with_inserted_indices(Indices::U32(indices))
-        .with_computed_normals()
+    Mesh::new(
+        PrimitiveTopology::TriangleList,
+        RenderAssetUsages::default(),
+    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+    .with_inserted_indices(Indices::U32(indices))
+    .with_computed_normals()
 }
 
 fn torus() -> Mesh {
@@ -139,7 +142,10 @@ fn settle(stage: &mut Stage) {
         stage.frame();
         let mut states = stage.app.world_mut().query::<&UndercoatState>();
         let states: Vec<_> = states.iter(stage.app.world()).cloned().collect();
-        assert!(states.iter().all(|state| state.error.is_none()), "{states:?}");
+        assert!(
+            states.iter().all(|state| state.error.is_none()),
+            "{states:?}"
+        );
         if states.iter().all(|state| state.ready) {
             break;
         }
@@ -171,7 +177,12 @@ fn difference(a: &Picture, b: &Picture) -> f32 {
 }
 
 fn state(stage: &Stage, entity: Entity) -> UndercoatState {
-    stage.app.world().get::<UndercoatState>(entity).unwrap().clone()
+    stage
+        .app
+        .world()
+        .get::<UndercoatState>(entity)
+        .unwrap()
+        .clone()
 }
 
 #[test]
@@ -207,12 +218,17 @@ fn coats_grow_on_closed_and_open_skins() {
         let mut holes = 0;
         for (before, after) in bare.iter().zip(&coat) {
             let lit = before.iter().sum::<f32>() > 0.012;
-            holes += usize::from(lit && after.iter().sum::<f32>() < 0.5 * before.iter().sum::<f32>());
+            holes +=
+                usize::from(lit && after.iter().sum::<f32>() < 0.5 * before.iter().sum::<f32>());
         }
         assert_eq!(holes, 0, "{name}");
 
         // Taken off and put on again.
-        stage.app.world_mut().entity_mut(entity).remove::<Undercoat>();
+        stage
+            .app
+            .world_mut()
+            .entity_mut(entity)
+            .remove::<Undercoat>();
         for _ in 0..3 {
             stage.frame();
         }
@@ -335,7 +351,13 @@ fn a_change_of_the_down_grows_it_anew() {
     let entity = spawn(&mut stage, torus(), Transform::default());
     dress(&mut stage, entity);
     let before = stage.picture();
-    let handle = stage.app.world().get::<Undercoat>(entity).unwrap().down.clone();
+    let handle = stage
+        .app
+        .world()
+        .get::<Undercoat>(entity)
+        .unwrap()
+        .down
+        .clone();
     {
         let mut downs = stage.app.world_mut().resource_mut::<Assets<Down>>();
         downs.get_mut(&handle).unwrap().tip_colour = [0.9, 0.1, 0.1];
@@ -355,15 +377,19 @@ fn strands_stand_out_of_the_coat() {
     let entity = spawn(&mut stage, torus(), Transform::default());
     dress(&mut stage, entity);
     let coat = stage.picture();
-    stage.app.world_mut().entity_mut(entity).insert(GuardStrands {
-        density: 10.0,
-        length_mm: (40.0, 0.1),
-        radius_um: 400.0,
-        fade: 0.0,
-        bend: 0.2,
-        tip_colour: [1.0, 1.0, 1.0],
-        ..default()
-    });
+    stage
+        .app
+        .world_mut()
+        .entity_mut(entity)
+        .insert(GuardStrands {
+            density: 10.0,
+            length_mm: (40.0, 0.1),
+            radius_um: 400.0,
+            fade: 0.0,
+            bend: 0.2,
+            tip_colour: [1.0, 1.0, 1.0],
+            ..default()
+        });
     stage.frame();
     settle(&mut stage);
     let hairy = stage.picture();

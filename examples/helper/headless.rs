@@ -78,6 +78,17 @@ pub fn run(mut app: App, name: &str, args: &Args) {
     }
     let stats = stats::collect(&mut app, &mut times);
     println!("{name}: {stats:#}");
+    if args.bench {
+        println!(
+            "{name}: {}x{}, 4x MSAA: {:.1} ms a frame (median of {}) on {}, {:.2} MB",
+            args.size.0,
+            args.size.1,
+            stats["frame_ms"].as_f64().unwrap_or_default(),
+            args.frames.max(1),
+            stats["adapter"].as_str().unwrap_or_default(),
+            stats["undercoat"]["bytes"].as_f64().unwrap_or_default() / 1e6,
+        );
+    }
     if let Some(path) = &args.stats
         && let Err(error) = std::fs::write(path, format!("{stats:#}\n"))
     {

@@ -225,7 +225,7 @@ pub struct Args {
     /// Turns the sun around the subject, degrees.
     #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
     pub sun: f32,
-    /// Measure: many frames, and a line with adapter, milliseconds and bytes (headless).
+    /// Print a line with adapter, milliseconds a frame and bytes of fur (headless; say how many `--frames`).
     #[arg(long)]
     pub bench: bool,
     /// Turns the camera around its subject, degrees.

@@ -2,7 +2,7 @@
 
 use super::{
     Down, GuardStrands, Undercoat, UndercoatMode, UndercoatQuality, UndercoatSettings,
-    UndercoatState,
+    UndercoatState, UndercoatTier,
     bake::{Baked, Bakes},
     hairs::{HairParts, StrandInput, grow_strands},
     material::{StrandMaterial, UndercoatMaterial, UndercoatUniform},
@@ -295,7 +295,8 @@ fn grow_one(
     };
     let shell =
         PackedShell::build(&skin, |_| true, None, &shape).map_err(|error| error.to_string())?;
-    let mesh = coat.visible.then(|| match coat.mode {
+    let drawn = coat.visible && coat.tier != UndercoatTier::None;
+    let mesh = drawn.then(|| match coat.mode {
         UndercoatMode::Volume => shell.outside(),
         UndercoatMode::Shells => shell.shells(shells),
     });

@@ -60,4 +60,4 @@ pub use loader::DownLoader;
 pub use material::{StrandMaterial, StrandUniform, UndercoatMaterial, UndercoatUniform};
 pub use plugin::UndercoatPlugin;
 pub use tile::Tile;
-pub use tract::{draws_down, skin_visibility};
+pub use tract::draws_down;

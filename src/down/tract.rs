@@ -5,6 +5,7 @@ use super::{
     bake::Bakes,
     grow::{Grown, Stores, Wear},
     pack::{PackedShell, ShellShape},
+    tier::{CONTRAST, cover_now, is_drawn},
 };
 use crate::{
     groom::{Groom, PlumageCards, PlumageGround},
@@ -17,27 +18,16 @@ use bevy::{
     tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on, poll_once},
 };
 
-/// Contrast of down against a skin that is tinted with its mean colour.
-const CONTRAST: f32 = 0.3;
-/// Feathers that stand up further than this from where they rest show what is below, radians.
+/// Feathers raised further than this from where they rest show what is below, radians.
 const OPEN_LIFT: f32 = 6.0 * std::f32::consts::PI / 180.0;
-/// Cover, and share of a lift, by which the decision lags behind.
-const HYSTERESIS: f32 = 0.3;
-
-/// Share of the skin that `cover` feathers over one another leave visible: a safe fit through disordered coats.
-pub fn skin_visibility(cover: f32) -> f32 {
-    (-1.07 * cover.max(0.0)).exp()
-}
 
 /// Whether the down of a tract is drawn. `cover` is K, `lift` the angle by which feathers are raised from their rest in radians,
 /// `error` the largest error of a picture that leaving it out may make, `drawn` what was decided last.
 pub fn draws_down(cover: f32, lift: f32, error: f32, drawn: bool) -> bool {
-    let lag = if drawn { HYSTERESIS } else { 0.0 };
-    if lift > OPEN_LIFT * (1.0 - lag) {
-        return true;
-    }
-    let effective = cover * lift.cos() - lag;
-    skin_visibility(effective) * CONTRAST > error
+    // What is drawn stays a little longer, so that nothing flickers at the limit.
+    let limit = OPEN_LIFT * if drawn { 0.7 } else { 1.0 };
+    let cover = cover_now(cover, lift, 1.0, 0.0);
+    lift > limit || error <= 0.0 || is_drawn(cover, 0.0, CONTRAST as f32, error, drawn)
 }
 
 enum Stage {
@@ -72,7 +62,7 @@ pub(super) fn find_tracts(
         };
         let base = server.get_path(cards.groom.id());
         let mut known: HashMap<&str, Handle<Down>> = HashMap::default();
-        let mut load = |path: &str| match &base {
+        let load = |path: &str| match &base {
             Some(base) => base
                 .resolve_embed_str(path)
                 .map_or_else(|_| server.load(path.to_owned()), |full| server.load(full)),
@@ -244,7 +234,6 @@ mod tests {
         assert!(draws_down(0.0, 0.0, error, false));
         assert!(draws_down(3.6, 0.0, error, false));
         assert!(!draws_down(4.1, 0.0, error, false));
-        // What is drawn stays a little longer, so that nothing flickers at the limit.
         assert!(draws_down(4.2, 0.0, error, true));
         assert!(!draws_down(4.5, 0.0, error, true));
         // Raised feathers show it whatever their number.

@@ -11,11 +11,13 @@
     march_add,
     march_begin,
     march_jitter,
+    march_lit,
     march_mean_distance,
     march_mip,
     march_over,
     march_step,
 }
+#import bevy_plumage::down_tier::{TierMix, tier_mix}
 #import bevy_plumage::down_walk::{
     FACE_SKIN,
     FACE_TOP,
@@ -70,17 +72,13 @@ fn pixels_of(height: f32, world: vec3<f32>) -> f32 {
     return height * 0.5 * vb::view.viewport.w * abs(vb::view.clip_from_view[1][1]) / max(clip.w, 1e-6);
 }
 
-// Shares of near and of far, each fading over a quarter of its limit.
-fn tier_weights(height_px: f32) -> vec2<f32> {
+// Shares of the tiers at a thickness, or the one that is asked for.
+fn tier_of(height_px: f32) -> TierMix {
     switch coat.counts.w {
-        case 1u: { return vec2(1.0, 0.0); }
-        case 2u: { return vec2(0.0, 0.0); }
-        case 3u: { return vec2(0.0, 1.0); }
-        default: {
-            let near = saturate((height_px / max(coat.shape.y, 1e-3) - 0.875) * 4.0);
-            let far = saturate((1.125 - height_px / max(coat.shape.z, 1e-3)) * 4.0);
-            return vec2(near, far);
-        }
+        case 1u: { return TierMix(1.0, 0.0, 0.0, 16.0, 0.0, 1.0); }
+        case 2u: { return TierMix(0.0, 1.0, 0.0, 8.0, 1.0, 1.0); }
+        case 3u: { return TierMix(0.0, 0.0, 1.0, 8.0, 1.0, saturate(height_px / 3.0)); }
+        default: { return tier_mix(height_px, coat.shape.yz); }
     }
 }
 
@@ -90,6 +88,7 @@ fn place_of(
     place: vec4<f32>,
     to_eye: vec3<f32>,
     height_px: f32,
+    mip: f32,
 ) -> light::Place {
     let weights = place.xyz;
     let z = clamp(place.w, 0.0, 1.0);
@@ -105,6 +104,7 @@ fn place_of(
     p.grad_u = gradient.u * height;
     p.grad_v = gradient.v * height;
     p.level = march_mip(data::cells_along(p.grad_u) / max(height_px, 1e-3), 2.0);
+    p.level = max(p.level, mip);
     return p;
 }
 
@@ -126,7 +126,7 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
     let cell = data::prism_at(in.start >> 4u, in.world);
     let to_eye = lighting::to_eye(vec4(in.world, 1.0));
     let height_px = pixels_of(dot(cell.heights, in.place.xyz), in.world);
-    let p = place_of(cell, data::tile_gradient(cell), in.place, to_eye, height_px);
+    let p = place_of(cell, data::tile_gradient(cell), in.place, to_eye, height_px, 0.0);
     let f = lighting::fragment_of(vec4(in.world, 1.0), p.normal, in.position, in.instance);
     let s = light::surroundings_of(f);
     let extinction = data::extinction_at(p.at, p.level) * extinction_sine(dot(p.tangent, to_eye), p.spread);
@@ -220,7 +220,7 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     var j = journey_begin(in.start, origin, direction);
     let entry_height = dot(j.cell.heights, j.walk.place.xyz);
     let height_px = pixels_of(entry_height, origin);
-    let entry = place_of(j.cell, data::tile_gradient(j.cell), j.walk.place, to_eye, height_px);
+    let entry = place_of(j.cell, data::tile_gradient(j.cell), j.walk.place, to_eye, height_px, 0.0);
     // It ends where the mean coat along it is opaque: at the tips that is further on than deep inside.
     let sine = extinction_sine(dot(entry.tangent, direction), 0.5 * (coat.fibre.x + coat.fibre.y));
     let clip_depth = coat.skin.w / max(sine, 0.05);
@@ -249,8 +249,10 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     let end = j.t;
     let end_frame = data::frame_at(j.cell, j.place.xyz);
 
-    let tier = tier_weights(height_px);
-    let steps = mix(0.5, 1.0, tier.x) * f32(coat.steps.x);
+    let tier = tier_of(height_px);
+    // The far tier is the middle one once more by half.
+    let steps = tier.steps / 16.0 * (1.0 - 0.5 * tier.far) * f32(coat.steps.x);
+    let mip = tier.mip + tier.far;
     var jitter = 0.5;
     if (coat.steps.w != 0u) {
         jitter = march_jitter(pixel_noise(in.position.xy), vb::globals.frame_count);
@@ -274,12 +276,17 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
             let gradient = data::tile_gradient(j.cell);
             while (next < count && step.x * way <= walked + here) {
                 let x = saturate((step.x * way - walked) / max(here, 1e-9));
-                let p = place_of(j.cell, gradient, mix(j.walk.place, j.place, x), to_eye, height_px);
+                let p = place_of(j.cell, gradient, mix(j.walk.place, j.place, x), to_eye, height_px, mip);
                 let extinction = data::extinction_at(p.at, p.level) * extinction_sine(dot(p.tangent, direction), p.spread);
                 let depth = extinction * step.y * way;
                 if (depth > 1e-4) {
                     let before = march.transmittance;
-                    march = march_add(march, depth, light::coat_source(p, s, tier.x), mix(j.walk.t, j.t, x));
+                    // The light is met where the step is seen, not in its middle.
+                    var lit = p;
+                    let slope = vec3(dot(p.grad_u, direction), dot(p.grad_v, direction), dot(p.normal, direction));
+                    lit.at += slope * ((march_lit(depth) - jitter) * step.y * way);
+                    lit.at.z = saturate(lit.at.z);
+                    march = march_add(march, depth, light::coat_source(lit, s, tier.near), mix(j.walk.t, j.t, x));
                     if (before > 0.5 && march.transmittance <= 0.5) {
                         half_height = p.at.z;
                         if (coat.counts.z == data::VIEW_SKY || coat.counts.z == data::VIEW_BENT) {
@@ -309,15 +316,15 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     } else if (on_skin) {
         color = march_over(march, light::skin_radiance(f, s, end_frame.normal));
     } else {
-        // A coat thinner than a pixel covers that much of it.
-        alpha = (1.0 - march.transmittance) * min(height_px, 1.0);
+        // A coat thinner than a few pixels covers less of them.
+        alpha = (1.0 - march.transmittance) * tier.rim;
     }
     color *= lighting::exposure();
     switch coat.counts.z {
         case 1u: { color = hash_colour(in.start >> 4u); }
         case 2u: { color = vec3(f32(cells) / 32.0); }
         case 3u: { color = vec3(half_height); }
-        case 4u: { color = vec3(tier.x, (1.0 - tier.x) * (1.0 - tier.y), tier.y); }
+        case 4u: { color = vec3(tier.near, tier.middle, tier.far); }
         case 5u: { color = vec3(1.0 - march.transmittance); }
         case 6u: { color = vec3(openness); }
         case 7u: { color = 0.5 + 2.0 * bent; }

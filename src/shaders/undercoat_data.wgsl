@@ -22,7 +22,7 @@ struct UndercoatUniform {
 }
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> coat: UndercoatUniform;
-@group(#{MATERIAL_BIND_GROUP}) @binding(1) var<storage, read> shell: array<vec4<f32>>;
+@group(#{MATERIAL_BIND_GROUP}) @binding(1) var<storage, read> shell: array<vec4<u32>>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(2) var density_texture: texture_3d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(3) var tile_sampler: sampler;
 @group(#{MATERIAL_BIND_GROUP}) @binding(4) var transfer_texture: texture_3d<f32>;
@@ -42,8 +42,12 @@ const TIER_NEAR: u32 = 1u;
 const TIER_MID: u32 = 2u;
 const TIER_FAR: u32 = 3u;
 
-fn word(index: u32) -> vec4<f32> {
+fn bits(index: u32) -> vec4<u32> {
     return shell[min(index, arrayLength(&shell) - 1u)];
+}
+
+fn word(index: u32) -> vec4<f32> {
+    return bitcast<vec4<f32>>(bits(index));
 }
 
 struct Node {
@@ -57,8 +61,14 @@ struct Node {
 fn node_at(index: u32) -> Node {
     let at = NODE_VEC4S * min(index, coat.counts.x - 1u);
     let bottom = word(at);
-    let lay = word(at + 2u);
-    return Node(bottom.xyz, bottom.w, word(at + 1u).xyz, lay.xyz, unpack4x8unorm(bitcast<u32>(lay.w)).rgb);
+    let lay = bits(at + 2u);
+    return Node(
+        bottom.xyz,
+        bottom.w,
+        word(at + 1u).xyz,
+        bitcast<vec3<f32>>(lay.xyz),
+        unpack4x8unorm(lay.w).rgb,
+    );
 }
 
 // A prism, its corners relative to `origin`.
@@ -75,8 +85,8 @@ struct PrismCell {
 
 fn prism_at(index: u32, origin: vec3<f32>) -> PrismCell {
     let at = NODE_VEC4S * coat.counts.x + PRISM_VEC4S * min(index, coat.counts.y - 1u);
-    let ids = bitcast<vec4<u32>>(word(at));
-    let links = bitcast<vec4<u32>>(word(at + 1u));
+    let ids = bits(at);
+    let links = bits(at + 1u);
     let first = word(at + 2u);
     let second = word(at + 3u);
     let last = coat.counts.x - 1u;

@@ -14,8 +14,8 @@ const NODE_VEC4S: u32 = 3u;
 const REST_VEC4S: u32 = 4u;
 
 @group(0) @binding(0) var<uniform> params: ExtrudeParams;
-@group(0) @binding(1) var<storage, read> rest: array<vec4<f32>>;
-@group(0) @binding(2) var<storage, read_write> nodes: array<vec4<f32>>;
+@group(0) @binding(1) var<storage, read> rest: array<vec4<u32>>;
+@group(0) @binding(2) var<storage, read_write> nodes: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> joints: array<mat4x4<f32>>;
 
 fn joint(index: u32) -> mat4x4<f32> {
@@ -33,10 +33,10 @@ fn extrude(@builtin(global_invocation_id) id: vec3<u32>) {
         || NODE_VEC4S * (id.x + 1u) > arrayLength(&nodes)) {
         return;
     }
-    let place = rest[REST_VEC4S * id.x];
-    let rest_normal = rest[REST_VEC4S * id.x + 1u].xyz;
+    let place = bitcast<vec4<f32>>(rest[REST_VEC4S * id.x]);
+    let rest_normal = bitcast<vec3<f32>>(rest[REST_VEC4S * id.x + 1u].xyz);
     let lay = rest[REST_VEC4S * id.x + 2u];
-    let carried = bitcast<vec4<u32>>(rest[REST_VEC4S * id.x + 3u]);
+    let carried = rest[REST_VEC4S * id.x + 3u];
     let weights = vec4(unpack2x16unorm(carried.z), unpack2x16unorm(carried.w));
     var world = params.world_from_local;
     let total = weights.x + weights.y + weights.z + weights.w;
@@ -55,9 +55,9 @@ fn extrude(@builtin(global_invocation_id) id: vec3<u32>) {
     let side = select(1.0, -1.0, dot(linear[0], cofactors[0]) < 0.0);
     let normal = unit_or(side * (cofactors * rest_normal), vec3(0.0, 1.0, 0.0));
     let bottom = (world * vec4(place.xyz, 1.0)).xyz;
-    let along = unit_or(linear * lay.xyz, normal);
+    let along = unit_or(linear * bitcast<vec3<f32>>(lay.xyz), normal);
     let at = NODE_VEC4S * id.x;
-    nodes[at] = vec4(bottom, place.w);
-    nodes[at + 1u] = vec4(bottom + normal * place.w, 0.0);
-    nodes[at + 2u] = vec4(along, lay.w);
+    nodes[at] = bitcast<vec4<u32>>(vec4(bottom, place.w));
+    nodes[at + 1u] = bitcast<vec4<u32>>(vec4(bottom + normal * place.w, 0.0));
+    nodes[at + 2u] = vec4(bitcast<vec3<u32>>(along), lay.w);
 }

@@ -30,7 +30,7 @@ struct StrandUniform {
 }
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> strands: StrandUniform;
-@group(#{MATERIAL_BIND_GROUP}) @binding(1) var<storage, read> shell: array<vec4<f32>>;
+@group(#{MATERIAL_BIND_GROUP}) @binding(1) var<storage, read> shell: array<vec4<u32>>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(2) var<storage, read> roots: array<vec4<u32>>;
 
 const NODE_VEC4S: u32 = 3u;
@@ -38,8 +38,12 @@ const PRISM_VEC4S: u32 = 4u;
 // Spread of the fibres of one strand: a little roughness.
 const SPREAD: f32 = 0.15;
 
-fn word(index: u32) -> vec4<f32> {
+fn bits(index: u32) -> vec4<u32> {
     return shell[min(index, arrayLength(&shell) - 1u)];
+}
+
+fn word(index: u32) -> vec4<f32> {
+    return bitcast<vec4<f32>>(bits(index));
 }
 
 struct VertexInput {
@@ -63,16 +67,16 @@ struct VertexOutput {
 fn vertex(in: VertexInput) -> VertexOutput {
     let root = roots[min(in.strand.x, arrayLength(&roots) - 1u)];
     let prism = NODE_VEC4S * strands.counts.x + PRISM_VEC4S * min(root.x, strands.counts.y - 1u);
-    let ids = NODE_VEC4S * min(bitcast<vec4<u32>>(word(prism)).xyz, vec3(strands.counts.x - 1u));
+    let ids = NODE_VEC4S * min(bits(prism).xyz, vec3(strands.counts.x - 1u));
     let first = unpack2x16unorm(root.y);
     let w = vec3(first, max(1.0 - first.x - first.y, 0.0));
     let bottom = mat3x4(word(ids.x), word(ids.y), word(ids.z)) * w;
     let top = mat3x4(word(ids.x + 1u), word(ids.y + 1u), word(ids.z + 1u)) * w;
-    let a = word(ids.x + 2u);
-    let b = word(ids.y + 2u);
-    let c = word(ids.z + 2u);
+    let a = bits(ids.x + 2u);
+    let b = bits(ids.y + 2u);
+    let c = bits(ids.z + 2u);
     let normal = normalize(top.xyz - bottom.xyz + vec3(0.0, 1e-12, 0.0));
-    let along = a.xyz * w.x + b.xyz * w.y + c.xyz * w.z;
+    let along = mat3x3(bitcast<vec3<f32>>(a.xyz), bitcast<vec3<f32>>(b.xyz), bitcast<vec3<f32>>(c.xyz)) * w;
     var flat = along - normal * dot(along, normal);
     // Each strand for itself, a little to the side.
     let turn = (f32((root.w >> 8u) & 255u) / 127.5 - 1.0) * 0.5;
@@ -108,8 +112,8 @@ fn vertex(in: VertexInput) -> VertexOutput {
     let rise = dot(center - bottom.xyz, normal) / max(bottom.w, 1e-7);
     out.along = vec4(s, strand_alpha(strands.tip_colour.w, s) * ribbon.coverage, rise, f32(root.w & 255u) / 255.0);
     out.instance = in.instance;
-    let tint = unpack4x8unorm(bitcast<u32>(a.w)).rgb * w.x + unpack4x8unorm(bitcast<u32>(b.w)).rgb * w.y
-        + unpack4x8unorm(bitcast<u32>(c.w)).rgb * w.z;
+    let tint = unpack4x8unorm(a.w).rgb * w.x + unpack4x8unorm(b.w).rgb * w.y
+        + unpack4x8unorm(c.w).rgb * w.z;
     out.tint = tint;
     return out;
 }
