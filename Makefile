@@ -41,7 +41,8 @@ charts: setup
 	$(CARGO) run --example scattering_charts
 	$(CARGO) run --example transparency_chart
 	$(CARGO) run --config 'profile.dev.opt-level=3' --example query_charts
-	$(CARGO) run --example parrot -- --headless --size 160x90 --time 0 --camera closeup --compare docs/charts/parrot_closeup.json
+	$(CARGO) run --example parrot -- --headless --size 240x135 --time 0 --camera closeup --compare docs/charts/parrot_closeup.json
+	$(CARGO) run --example parrot -- --headless --size 480x270 --time 0 --camera hero --compare docs/charts/parrot_hero.json
 	$(CARGO) run --config 'profile.dev.opt-level=3' --features extract --example extract_charts
 
 bench: setup

@@ -155,7 +155,7 @@ fn coarse_levels_hide_what_fine_ones_hid() {
     // Hair: thin dense lines. A mean density hides far too much.
     let size = UVec3::splat(16);
     let lines = |i: usize| {
-        if i % 16 % 4 == 0 && i / 16 % 16 % 4 == 0 {
+        if (i % 16).is_multiple_of(4) && (i / 16 % 16).is_multiple_of(4) {
             64.0
         } else {
             0.0

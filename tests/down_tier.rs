@@ -126,15 +126,16 @@ fn dolly_without_popping() {
             .map(|i| patch(30.0 * 0.97f32.powi(i)))
             .collect::<Vec<_>>();
         let mut step = 0.0f64;
-        let mut total = 0.0f64;
+        let apart = |a: &[f64; 3], b: &[f64; 3]| {
+            a.iter()
+                .zip(b)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f64::max)
+        };
         for pair in frames.windows(2) {
-            for c in 0..3 {
-                step = step.max((pair[1][c] - pair[0][c]).abs());
-            }
+            step = step.max(apart(&pair[0], &pair[1]));
         }
-        for c in 0..3 {
-            total = total.max((frames[0][c] - frames[115][c]).abs());
-        }
+        let total = apart(&frames[0], &frames[115]);
         println!(
             "eye {eye} light {light}: step {:.2}/255, near to far {:.2}/255 of {:.0}/255",
             255.0 * step,

@@ -1,6 +1,6 @@
 //! The walk through the shell against brute force (study test D2), the shell's structure, and the shader twin.
 mod common;
-mod down_common;
+mod down_skins;
 
 use bevy_plumage::down::{
     published,
@@ -8,7 +8,7 @@ use bevy_plumage::down::{
     walk::{self, Walk, WalkEnd, walk_start},
 };
 use common::gpu;
-use down_common::{Aim, Brute, Skin, fan, ray, skins, torus};
+use down_skins::{Aim, Brute, Skin, fan, ray, skins, torus};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
@@ -79,7 +79,7 @@ fn walk_against_brute_force() {
         let brute = Brute::new(&shell);
         for aim in [Aim::Random, Aim::Tangent, Aim::Vertices] {
             let cells = std::sync::atomic::AtomicU32::new(0);
-            let [lost, over, whole, walks, bad] = down_common::sum(10_000, |i| {
+            let [lost, over, whole, walks, bad] = down_skins::sum(10_000, |i| {
                 let r = judge(&shell, &brute, aim, i + 1);
                 cells.fetch_max(r[5] as u32, std::sync::atomic::Ordering::Relaxed);
                 [r[0], r[1], r[2], r[3], r[4]]

@@ -71,7 +71,10 @@ const PREPASS: [&str; 7] = [
 ];
 
 /// Options of the view and the ways of transparency, in the combinations that occur.
-const FORWARD_OPTIONS: [&[&str]; 21] = [
+const FORWARD_OPTIONS: [&[&str]; 24] = [
+    &["ONLY_RESOLVED", "ENVIRONMENT_MAP"],
+    &["ONLY_FAR", "ENVIRONMENT_MAP", "HASHED"],
+    &["ONLY_MEAN", "ENVIRONMENT_MAP", "HASHED"],
     &["PUBLISHED_COVERAGE", "ENVIRONMENT_MAP"],
     &["SUPERSAMPLED_COVERAGE", "ENVIRONMENT_MAP"],
     &["SAMPLED_ENVIRONMENT"],
@@ -114,7 +117,8 @@ const FORWARD_OPTIONS: [&[&str]; 21] = [
     &["ATMOSPHERE", "SAMPLE_COVERAGE", "MULTISAMPLED"],
     &["VISIBILITY_RANGE_DITHER", "HASHED"],
 ];
-const PREPASS_OPTIONS: [&[&str]; 7] = [
+const PREPASS_OPTIONS: [&[&str]; 8] = [
+    &["ONLY_MEAN", "HASHED"],
     &["HASHED"],
     &["FEATHER_CORE"],
     &["SAMPLE_COVERAGE", "FEATHER_PREPASS_OUTPUT"],

@@ -94,7 +94,7 @@ fn scale() {
         "scale",
         "ln of the major axis in barb periods",
         301,
-        [2.0 / 255.0, 1.0 / 255.0],
+        [1.0 / 255.0, 1.0 / 255.0],
         |random, i| {
             let (cell, spacing, sin_bl) = sweep::random_cell(random, i % 2 == 1);
             let least = (0.01 * spacing * sin_bl).ln();
@@ -117,7 +117,7 @@ fn rotation() {
         "rotation",
         "direction of the major axis from the barb's normal, radians",
         302,
-        [2.0 / 255.0, 1.0 / 255.0],
+        [1.0 / 255.0, 1.0 / 255.0],
         |random, i| {
             let (cell, spacing, sin_bl) = sweep::random_cell(random, i % 2 == 1);
             let least = (0.1 * spacing * sin_bl).ln();
@@ -139,7 +139,7 @@ fn anisotropy() {
         "anisotropy",
         "major over minor axis",
         303,
-        [2.0 / 255.0, 1.0 / 255.0],
+        [1.0 / 255.0, 1.0 / 255.0],
         |random, i| {
             let (cell, spacing, sin_bl) = sweep::random_cell(random, i % 2 == 1);
             let least = (0.02 * spacing * sin_bl).ln();
@@ -150,6 +150,32 @@ fn anisotropy() {
                 let ratio = 1.0 + 15.0 * x;
                 let local = sweep::local(u, tau, minor * ratio, minor, angle, spacing);
                 (ratio, cell, local)
+            })
+        },
+    );
+}
+
+#[test]
+fn position() {
+    // Small footprints meet every edge, corner and gap: each shortcut of NEAR begins and ends somewhere on the way.
+    check(
+        "position",
+        "place across the barbs in periods",
+        305,
+        [1.0 / 255.0, 1.0 / 255.0],
+        |random, i| {
+            let (cell, spacing, sin_bl) = sweep::random_cell(random, i % 2 == 1);
+            let least = (0.005 * spacing * sin_bl).ln();
+            let minor = between(random, least, (0.3 * spacing * sin_bl).ln()).exp();
+            let ratio = 2f64.powf(between(random, 0.0, 4.0));
+            let angle = between(random, 0.0, std::f64::consts::PI);
+            let (u, tau) = (between(random, 0.0, 1.0), between(random, -0.5, 0.5));
+            // A few barbules' width at a time, so that no edge is passed in one step.
+            let along = 4.0 * minor / (spacing * sin_bl);
+            Box::new(move |x| {
+                let (u, tau) = (u + 20.0 * minor * x, tau + 10.0 * along * x);
+                let local = sweep::local(u, tau, minor * ratio, minor, angle, spacing);
+                (u, cell, local)
             })
         },
     );
@@ -176,7 +202,7 @@ fn view_angle() {
         "view_angle",
         "angle of the view from the front normal, degrees",
         304,
-        [2.0 / 255.0, 1.0 / 255.0],
+        [1.0 / 255.0, 1.0 / 255.0],
         |random, _| {
             let vane = random_vane(random);
             let least = (0.05 * vane.p_bl()).ln();

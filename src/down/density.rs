@@ -337,7 +337,7 @@ fn coarser(fine: &DensityLevel, width: f32) -> Option<DensityLevel> {
             for x in 0..half.x {
                 let block = |i: u32, j: u32, k: u32| at([2 * x + i, 2 * y + j, 2 * z + k]);
                 let mut sum = 0.0;
-                for axis in 0..3 {
+                for (axis, cell) in cell.iter().enumerate() {
                     let mut through = 0.0;
                     for column in 0..4u32 {
                         let (i, j) = (column & 1, column >> 1);
@@ -348,9 +348,9 @@ fn coarser(fine: &DensityLevel, width: f32) -> Option<DensityLevel> {
                                 _ => block(i, j, k),
                             })
                             .sum::<f32>();
-                        through += 0.25 * (-depth * cell[axis]).exp();
+                        through += 0.25 * (-depth * cell).exp();
                     }
-                    sum -= through.max(1e-30).ln() / (2.0 * cell[axis]);
+                    sum -= through.max(1e-30).ln() / (2.0 * cell);
                 }
                 extinction.push(sum / 3.0);
             }

@@ -103,3 +103,59 @@ pub fn slab_fragment<T: Float>(slabs: &Slabs<T>, index: usize) -> Fragment<T> {
         depth: light[3] / alpha,
     }
 }
+
+/// Radiance of fragments over a background, sorted here (front first) and composited.
+pub fn blend<T: Float>(fragments: &mut [Fragment<T>], background: [T; 3]) -> [T; 3] {
+    fragments.sort_by(|a, b| {
+        a.depth
+            .partial_cmp(&b.depth)
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    let mut sum = [T::zero(); 3];
+    let mut left = T::one();
+    for fragment in fragments.iter() {
+        let alpha = clamp(fragment.alpha, T::zero(), T::one());
+        for (sum, c) in sum.iter_mut().zip(fragment.colour) {
+            *sum = *sum + left * alpha * c;
+        }
+        left = left * (T::one() - alpha);
+    }
+    for (sum, c) in sum.iter_mut().zip(background) {
+        *sum = *sum + left * c;
+    }
+    sum
+}
+
+/// The simplified blending of *Hybrid fur rendering*, for comparison: the whole fur is one fragment at the front of its shell, made
+/// more transparent by the strands behind it.
+pub mod published {
+    use super::Fragment;
+    use crate::scattering::clamp;
+    use num_traits::Float;
+
+    /// Eq. (4) as printed: each strand behind the shell takes `exp(-attenuation distance)` off its opacity, however transparent the
+    /// strand is.
+    pub fn alpha<T: Float>(fur: &Fragment<T>, strands: &[Fragment<T>], attenuation: T) -> T {
+        let taken = strands
+            .iter()
+            .filter(|s| s.depth >= fur.depth)
+            .fold(T::zero(), |sum, s| {
+                sum + (-(attenuation * (s.depth - fur.depth))).exp()
+            });
+        clamp(fur.alpha - taken, T::zero(), T::one())
+    }
+
+    /// The repair: a product over the strands, each with its own opacity (undercoat study A5).
+    pub fn product_alpha<T: Float>(
+        fur: &Fragment<T>,
+        strands: &[Fragment<T>],
+        attenuation: T,
+    ) -> T {
+        strands
+            .iter()
+            .filter(|s| s.depth >= fur.depth)
+            .fold(fur.alpha, |alpha, s| {
+                alpha * (T::one() - s.alpha * (-(attenuation * (s.depth - fur.depth))).exp())
+            })
+    }
+}

@@ -133,7 +133,7 @@ impl FarTable {
                 }
                 sum.map(|s| (s / f64::from(rays) / azimuths.len() as f64) as f32)
             };
-        let azimuths = [1.047_197_6, 2.094_395_2];
+        let azimuths = [60.0f32.to_radians(), 120.0f32.to_radians()];
         let near = SlabSettings::near();
         let middle = SlabSettings::middle();
         let mut light = Vec::with_capacity(FAR_SIZE * FAR_SIZE);

@@ -5,6 +5,9 @@ use super::{
     vane::{Cell, Local, Vane},
 };
 
+/// What averages over whole footprints averages over the parts that a line leaves of them, if it does so with this much to spare.
+pub(super) const PARTS_MARGIN: f64 = 4.0;
+
 /// The four evaluators, dearest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Evaluator {
@@ -116,8 +119,8 @@ impl<T: Real> Quality<T> {
     /// As close as it needs to be to LATTICE and STRIPE just before the switch.
     pub fn beside_switch(&self) -> Self {
         Self {
-            cell_phase: self.cell_phase.min(T::of(0.15)),
-            cell_sigmas: self.cell_sigmas.min(T::of(0.4)),
+            cell_phase: self.cell_phase.min(T::of(0.2)),
+            cell_sigmas: self.cell_sigmas.min(T::of(0.5)),
             ..*self
         }
     }
@@ -246,7 +249,7 @@ pub fn choose<T: Real>(cell: &Cell<T>, local: &Local<T>, threshold: T) -> Choice
     if teeth > least_teeth && (many || (rows <= limit && T::of(1.2) * nodes <= cells)) {
         return pick(Evaluator::Lattice, false, budget);
     }
-    let beside_switch = T::of(1.2) * nodes < T::of(4.0) * cells;
+    let beside_switch = T::of(6.0) * nodes < T::of(7.0) * cells;
     pick(Evaluator::Near, beside_switch, budget)
 }
 
@@ -277,7 +280,8 @@ pub fn classify_bounds<T: Real>(
     if along > threshold && across > threshold {
         return Lod::Mean;
     }
-    if along > threshold && teeth * across > least_teeth {
+    // Stripes serve what the rachis or the outline leave of a footprint, too.
+    if along > T::of(PARTS_MARGIN) * threshold && teeth * across > least_teeth {
         return Lod::Far;
     }
     let across_max = square(sigma_major_max / vane.p_b);

@@ -1,7 +1,7 @@
 //! Coverage of a footprint by one vane and by a whole feather.
 
 use super::{
-    choose::{ErrorBudget, Evaluator, choose},
+    choose::{ErrorBudget, Evaluator, PARTS_MARGIN, choose},
     footprint::Footprint,
     lattice::lattice,
     masking::{mask_rachis, mask_vane},
@@ -86,7 +86,7 @@ pub fn vane_coverage<T: Real>(
 
 /// Whether the average serves not only a footprint but what a line leaves of it, too.
 fn averages<T: Real>(local: &Local<T>, threshold: T) -> bool {
-    local.variance.min(local.conditional) > T::of(4.0) * threshold
+    local.variance.min(local.conditional) > T::of(PARTS_MARGIN) * threshold
 }
 
 /// Coverage of a footprint anywhere on the feather, from the view vector `view` (towards the eye; x, y, front normal).

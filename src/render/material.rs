@@ -36,9 +36,21 @@ pub enum FeatherTransparency {
     /// Blended in the order of the mesh, without depth: exact for a single feather, wrong where feathers cover each other. A
     /// camera with order-independent transparency sorts the fragments.
     Blend,
-    /// The almost opaque interiors alone; the plugin makes these for [`Self::OrderIndependent`].
-    #[doc(hidden)]
+}
+
+/// Which fragments of a bird's cards a material draws. The plugin draws the cards of its first and of the last two by materials
+/// and pipelines of their own, so that a fragment far away does not carry what only near ones need.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum DrawnCards {
+    /// Depth and shadows of all; colour of what no other material draws.
+    #[default]
+    Own,
+    /// The almost opaque interiors for [`FeatherTransparency::OrderIndependent`].
     Core,
+    /// Colour of cards of the class FAR.
+    Far,
+    /// Colour of cards of the class MEAN.
+    Mean,
 }
 
 /// How the shader finds the coverage of a pixel's footprint.
@@ -168,6 +180,10 @@ pub struct FeatherPipelineKey {
     pub sampled_environment: bool,
     /// [`DebugView::Overdraw`].
     pub overdraw: bool,
+    /// `FeatherMaterial::drawn`.
+    pub drawn: DrawnCards,
+    /// Cards of the classes FAR and MEAN are drawn by other materials.
+    pub splits: bool,
 }
 
 impl FeatherPipelineKey {
@@ -185,6 +201,12 @@ impl FeatherPipelineKey {
         if self.overdraw {
             defs.push("OVERDRAW".into());
         }
+        match self.drawn {
+            DrawnCards::Own if self.splits => defs.push("ONLY_RESOLVED".into()),
+            DrawnCards::Own | DrawnCards::Core => {}
+            DrawnCards::Far => defs.push("ONLY_FAR".into()),
+            DrawnCards::Mean => defs.push("ONLY_MEAN".into()),
+        }
         defs
     }
 }
@@ -196,6 +218,8 @@ impl From<&FeatherMaterial> for FeatherPipelineKey {
             transparency: material.transparency,
             sampled_environment: material.settings.environment_samples > 0,
             overdraw: material.settings.debug_view == DebugView::Overdraw,
+            drawn: material.drawn,
+            splits: material.splits(),
         }
     }
 }
@@ -209,6 +233,8 @@ pub struct FeatherMaterial {
     pub settings: FeatherSettings,
     /// Transparency.
     pub transparency: FeatherTransparency,
+    /// Which fragments this material draws; the plugin makes materials for the rest.
+    pub drawn: DrawnCards,
     /// Feathers and fibre tables, laid out as `shaders/feather_data.wgsl` reads them.
     #[storage(1, read_only)]
     pub feathers: Handle<ShaderBuffer>,
@@ -225,6 +251,26 @@ pub struct FeatherMaterial {
     /// Wind and ruffle, see [`super::Wind`].
     #[storage(6, read_only, visibility(vertex))]
     pub motion: Handle<ShaderBuffer>,
+}
+
+impl FeatherMaterial {
+    /// Whether every LOD class has a pipeline of its own. Blending keeps the order of the mesh, so its cards stay together; the
+    /// methods that are there for comparison know no classes.
+    pub(super) fn splits(&self) -> bool {
+        self.settings.coverage_method == CoverageMethod::Chosen
+            && matches!(
+                self.transparency,
+                FeatherTransparency::AlphaToCoverage | FeatherTransparency::Hashed
+            )
+    }
+
+    /// The same feathers, but other fragments of them.
+    pub(super) fn drawing(&self, drawn: DrawnCards) -> Self {
+        Self {
+            drawn,
+            ..self.clone()
+        }
+    }
 }
 
 impl From<&FeatherMaterial> for GpuFeatherSettings {
@@ -254,9 +300,12 @@ impl Material for FeatherMaterial {
         if self.settings.debug_view == DebugView::Overdraw {
             return AlphaMode::Add;
         }
+        if self.drawn == DrawnCards::Core {
+            return AlphaMode::Mask(0.5);
+        }
         match self.transparency {
             FeatherTransparency::AlphaToCoverage => AlphaMode::AlphaToCoverage,
-            FeatherTransparency::Hashed | FeatherTransparency::Core => AlphaMode::Mask(0.5),
+            FeatherTransparency::Hashed => AlphaMode::Mask(0.5),
             FeatherTransparency::OrderIndependent | FeatherTransparency::Blend => AlphaMode::Blend,
         }
     }

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `material` | [`FeatherMaterial`], its settings and pipelines |
 //! | `specialize` | how coverage becomes pixels in the view at hand |
-//! | `core` | order-independent transparency |
+//! | `repeat` | the card mesh drawn more than once: LOD classes, order-independent transparency |
 //! | `wind` | [`Wind`] and [`Ruffle`] |
 //! | `pack` | feathers, fibre tables and cards as the shaders read them |
 //! | `wear` | gives every groomed bird its material; [`PlumageMemory`] |
@@ -14,12 +14,12 @@
 //! | `cut_out` | what is drawn where it does not |
 
 mod bounds;
-mod core;
 mod cut_out;
 mod limits;
 mod lod;
 mod material;
 mod pack;
+mod repeat;
 mod specialize;
 mod wear;
 mod wind;
@@ -27,7 +27,7 @@ mod wind;
 pub use cut_out::FeatherPath;
 pub use lod::CARD_COUNTERS;
 pub use material::{
-    CoverageMethod, DebugView, FeatherMaterial, FeatherSettings, FeatherTransparency,
+    CoverageMethod, DebugView, DrawnCards, FeatherMaterial, FeatherSettings, FeatherTransparency,
 };
 pub use pack::CARD_VEC4S;
 pub use wear::{FeatherQuality, PlumageMemory, PlumageWork};
@@ -67,7 +67,7 @@ impl Plugin for FeatherRenderPlugin {
             )
             .add_plugins((
                 ShadersPlugin,
-                core::CorePlugin,
+                repeat::RepeatPlugin,
                 MaterialPlugin::<FeatherMaterial>::default(),
                 wear::WearPlugin,
                 lod::LodPlugin,

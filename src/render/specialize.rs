@@ -1,6 +1,6 @@
 //! Pipelines of [`super::FeatherMaterial`]: how coverage becomes pixels in the view at hand.
 
-use super::material::{FeatherPipelineKey, FeatherTransparency};
+use super::material::{DrawnCards, FeatherPipelineKey, FeatherTransparency};
 use bevy::{
     mesh::MeshVertexBufferLayoutRef,
     pbr::MeshPipelineKey,
@@ -41,9 +41,9 @@ impl Resolve {
         };
         match key.transparency {
             _ if key.overdraw => Self::Overdraw,
+            _ if key.drawn == DrawnCards::Core => Self::Core,
             FeatherTransparency::AlphaToCoverage => solid,
             FeatherTransparency::Hashed => Self::Hashed,
-            FeatherTransparency::Core => Self::Core,
             FeatherTransparency::OrderIndependent if listed => Self::Fringe,
             FeatherTransparency::OrderIndependent => solid,
             FeatherTransparency::Blend if listed => Self::List,
@@ -115,6 +115,7 @@ pub fn feather_pipeline(
     let resolve = Resolve::choose(key, mesh_key);
     let mut defs = key.shader_defs();
     defs.extend(resolve.shader_defs());
+    descriptor.vertex.shader_defs.extend(key.shader_defs());
     if let Some(fragment) = &mut descriptor.fragment {
         if prepass {
             let emulated = has_def(&fragment.shader_defs, "UNCLIPPED_DEPTH_ORTHO_EMULATION");

@@ -16,6 +16,10 @@ use bevy::{
 
 pub(super) struct WearPlugin;
 
+/// Every bird has its material.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct WearSystems;
+
 impl Plugin for WearPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Wardrobe>()
@@ -32,6 +36,7 @@ impl Plugin for WearPlugin {
                     measure_memory,
                 )
                     .chain()
+                    .in_set(WearSystems)
                     .run_if(resource_equals(FeatherPath::Full)),
             );
     }
@@ -256,6 +261,7 @@ fn wear_feathers(
         let material = FeatherMaterial {
             settings: quality.settings,
             transparency: quality.transparency,
+            drawn: default(),
             feathers: wear.feathers.clone(),
             cards: buffers.add(upload(cards, "feather_cards")),
             lod: buffers.add(upload(lod, "feather_lod")),

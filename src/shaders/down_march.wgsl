@@ -49,7 +49,11 @@ fn march_length(length: f32, mean: f32, clip: f32) -> f32 {
 fn mean_extinction(z: f32, depth: f32, power: f32) -> f32 {
     let p = clamp(power, 1.0, 8.0);
     let rest = 1.0 - clamp(z, 0.0, 1.0);
-    let shape = select(exp2((p - 1.0) * log2(max(rest, 1e-30))), 1.0, p == 1.0);
+    // The power of zero is left to no built-in.
+    var shape = select(0.0, exp2((p - 1.0) * log2(max(rest, 1e-30))), rest > 0.0);
+    if p == 1.0 {
+        shape = 1.0;
+    }
     return max(depth, 0.0) * p * shape;
 }
 

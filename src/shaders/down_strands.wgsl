@@ -91,7 +91,7 @@ fn strand_tangent(curve: StrandCurve, s: f32, fallback: vec3<f32>) -> vec3<f32> 
 
 // Segments of a strand of `pixels` on screen that may be `tolerance` pixels off.
 fn strand_segments(bend: f32, pixels: f32, tolerance: f32) -> f32 {
-    let wanted = 0.2 * abs(bend) * max(pixels, 0.0) / max(tolerance, 1e-3);
+    let wanted = 0.42 * abs(bend) * max(pixels, 0.0) / max(tolerance, 1e-3);
     return clamp(ceil(sqrt(wanted)), 2.0, 12.0);
 }
 

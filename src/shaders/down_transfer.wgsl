@@ -9,7 +9,7 @@ struct Four {
     openness: f32,
 }
 
-// Polynomials of bands 2 to 4, row by row (30 numbers), the length of the longest bent vector, one that is free. The layout of
+// Polynomials of bands 2 to 4, row by row (30 numbers), the length of the longest bent vector, the most that a light's share can be. The layout of
 // `TransferBands::vec4s`.
 struct TransferBands {
     fit: array<vec4<f32>, 8>,
@@ -106,7 +106,7 @@ fn transfer_axis(bent: vec3<f32>) -> vec3<f32> {
 
 fn transfer_bands(four: Four, bands: TransferBands) -> Zonal {
     let a = clamp(four.openness, 0.0, 1.0);
-    let l = min(min(length(four.bent), 0.25), a);
+    let l = min(length(four.bent), a);
     let c = 4.0 * l;
     let low = vec4(1.0, a, c, a * a);
     let middle = vec4(a * c, c * c, a * a * a, a * a * c);
@@ -156,5 +156,5 @@ fn transfer_towards(four: Four, bands: TransferBands, light: vec3<f32>) -> f32 {
     let z = transfer_bands(four, bands);
     let x = clamp(dot(transfer_axis(four.bent), light), -1.0, 1.0);
     let sum = z.zero + 3.0 * z.one * x + dot(z.higher * vec3(5.0, 7.0, 9.0), legendre(x));
-    return clamp(sum, 0.0, 1.0);
+    return clamp(sum, 0.0, bands.fit[7].w);
 }

@@ -4,7 +4,7 @@
     feather_cover::{Covered, Frame, cover, frame_of},
     feather_data as data,
     feather_debug::debug_color,
-    feather_io::FeatherVertex,
+    feather_io::{FeatherVertex, class_of},
     feather_lighting as light,
     feather_near::{NearFootprint, near_footprint},
     feather_opacity::{leaves_hole, sample_bits},
@@ -118,7 +118,7 @@ fn fragment(in: FeatherVertex) -> FeatherColor {
     let frame = frame_of(in);
     let front = frame.local_eye.z >= 0.0;
     let albedo = albedo_of(in, feather, front);
-    let covered = cover(in, base, shape, frame, in.card.w & 7u);
+    let covered = cover(in, base, shape, frame, class_of(in));
     let opacity = dot(covered.weights, vec4(1.0));
     if (leaves_hole(in, opacity, shape.x)) {
         discard;
@@ -159,7 +159,7 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
     let slope = rachis_at(base, in.uv.y).y;
     let seen = light::fragment_of(in.world_position, frame.normal, in.position, in.instance_index);
     let eye_side = select(-frame.normal, frame.normal, frame.local_eye.z >= 0.0);
-    let level = in.card.w & 7u;
+    let level = class_of(in);
     // Where a fibre may be wider than the pixel, the place on it matters.
     let resolved = level == data::CARD_NEAR || level == data::CARD_MIXED;
     var near = NearFootprint(vec2(0.0, -1.0), vec2(0.0, -1.0));
@@ -212,7 +212,7 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
             let crowding = coverage_along_normal(base, part, covered.right);
             let place = near_of(part, near, angles, covered.right, tangent, fibre.eye, frame);
             var radiance = vec3(0.0);
-            if (place.y > 0.0) {
+            if (resolved && place.y > 0.0) {
                 let window = fibre_window(place.x, place.y);
                 let part_seen = fibre_near(fibre.parameters, fibre.row, single, fibre.eye, shape.w, 8u, window);
                 for (var i = 0u; i < count; i++) {

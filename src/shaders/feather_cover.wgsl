@@ -132,7 +132,11 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, edge: f32, frame: Fr
         covered += mass * published_vane_coverage(cell, vane, part.footprint, method);
 #else
         // What the LOD pass promised of whole footprints does not hold for their parts.
+#ifdef ONLY_FAR
+        let part_level = level;
+#else
         let part_level = select(level, data::CARD_MIXED, cut.parts > 1u);
+#endif
         covered += mass * vane_coverage(cell, vane, part.footprint, part_level, settings.threshold);
 #endif
     }

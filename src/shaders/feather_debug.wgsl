@@ -5,7 +5,7 @@
     feather_bindings::{feather_at, rachis_at},
     feather_cover::{Covered, Frame},
     feather_data as data,
-    feather_io::FeatherVertex,
+    feather_io::{FeatherVertex, class_of},
     feather_pattern::hash,
 }
 
@@ -29,7 +29,7 @@ fn debug_color(view: u32, in: FeatherVertex, base: u32, shape: vec4<f32>, covere
     switch view {
         case 1u: { return vec3(covered.weights.x + covered.weights.y, covered.weights.z, covered.weights.w); }
         case 2u: {
-            let level = in.card.w & 7u;
+            let level = class_of(in);
             return select(
                 vec3(f32(level == data::CARD_NEAR), f32(level == data::CARD_FAR), f32(level == data::CARD_MEAN)),
                 vec3(1.0),

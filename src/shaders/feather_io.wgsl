@@ -1,5 +1,6 @@
 // What the vertex stage takes, and what it hands to the fragment stage of the colour, depth and shadow passes.
 #define_import_path bevy_plumage::feather_io
+#import bevy_plumage::feather_data as data
 
 // The same locations in every pass, see FeatherMaterial::specialize.
 struct CardVertex {
@@ -37,5 +38,16 @@ struct FeatherVertex {
 #ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION
     @location(8) unclipped_depth: f32,
 #endif
+#endif
+}
+
+// Class of the fragment's card: a constant where the pipeline draws one class only.
+fn class_of(in: FeatherVertex) -> u32 {
+#ifdef ONLY_MEAN
+    return data::CARD_MEAN;
+#else ifdef ONLY_FAR
+    return data::CARD_FAR;
+#else
+    return in.card.w & 7u;
 #endif
 }

@@ -67,6 +67,29 @@ fn bent(position: vec3<f32>, root: vec3<f32>, turn: vec3<f32>, v: f32) -> vec3<f
     return root + turned_by(position - root, turn * (0.5 * v));
 }
 
+// Whether this pipeline draws cards of a class. Depth and shadows of all classes are drawn by one pipeline.
+fn is_drawn(level: u32) -> bool {
+#ifdef PREPASS_PIPELINE
+#ifdef ONLY_MEAN
+    return false;
+#else ifdef ONLY_FAR
+    return false;
+#else
+    return true;
+#endif
+#else
+#ifdef ONLY_MEAN
+    return level == data::CARD_MEAN;
+#else ifdef ONLY_FAR
+    return level == data::CARD_FAR;
+#else ifdef ONLY_RESOLVED
+    return level == data::CARD_NEAR || level == data::CARD_MIXED;
+#else
+    return level != data::CARD_CULLED;
+#endif
+#endif
+}
+
 // `time` and `step`: seconds now and since the frame before.
 fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
     var out: FeatherVertex;
@@ -77,13 +100,11 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
     out.card = vec4(card.feather, card.tint, card.seed, level | (index << 3u));
     out.uv = vertex.uv;
     out.instance_index = vertex.instance_index;
-#ifndef PREPASS_PIPELINE
-    if (level == data::CARD_CULLED) {
+    if (!is_drawn(level)) {
         // All corners on one point outside the view: no pixels.
         out.position = vec4(2.0, 2.0, 0.5, 1.0);
         return out;
     }
-#endif
     let world_from_local = world_from_card(vertex);
     let turn = tip_turn(card, 0u, world_from_local, time);
     let tangent_turn = turn * vertex.uv.y;

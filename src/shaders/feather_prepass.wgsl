@@ -11,7 +11,7 @@
     feather_bindings::{contour_at, feather_at, feather_base, rachis_at},
     feather_cover::{cover, frame_of},
     feather_data as data,
-    feather_io::{CardVertex, FeatherVertex},
+    feather_io::{CardVertex, FeatherVertex, class_of},
     feather_opacity::leaves_hole,
     feather_pattern::pattern_threshold,
     feather_place::place,
@@ -95,7 +95,7 @@ fn silhouette(in: FeatherVertex) -> Silhouette {
         found.samples = 0xffffffffu;
         return found;
     }
-    let covered = cover(in, base, shape, frame_of(in), in.card.w & 7u);
+    let covered = cover(in, base, shape, frame_of(in), class_of(in));
     let opacity = dot(covered.weights, vec4(1.0));
     found.hole = leaves_hole(in, opacity, shape.x);
 #ifdef SAMPLE_COVERAGE

@@ -15,6 +15,8 @@ const LOD_MIXED: u32 = 4u;
 // Among the evaluators of `choose` only: harmonics are left.
 const LATTICE: u32 = 5u;
 
+// What averages over whole footprints averages over the parts that a line leaves of them, if it does so with this much to spare.
+const PARTS_MARGIN: f32 = 4.0;
 const LEAST_VARIANCE: f32 = 1e-16;
 
 // A Gaussian over the canonical plane; covariance is (xx, xy, yy).
@@ -122,7 +124,7 @@ fn choose(cell: Cell, local: Local, threshold: f32) -> Choice {
     if teeth > least_teeth && (local.variance > 25.0 || (rows <= f32(MAX_ROWS) && 1.2 * nodes <= cells)) {
         return Choice(LATTICE, false, budget);
     }
-    return Choice(LOD_NEAR, 1.2 * nodes < 4.0 * cells, budget);
+    return Choice(LOD_NEAR, 6.0 * nodes < 7.0 * cells, budget);
 }
 
 // What can be said of every footprint whose minor axis is at least `sigma_minor_min`, the major one at most `sigma_major_max`.
@@ -135,7 +137,7 @@ fn classify_bounds(vane: Vane, sigma_minor_min: f32, sigma_major_max: f32, thres
     if along * along > threshold && across * across > threshold {
         return LOD_MEAN;
     }
-    if along * along > threshold && teeth * across * across > least_teeth {
+    if along * along > PARTS_MARGIN * threshold && teeth * across * across > least_teeth {
         return LOD_FAR;
     }
     let across_max = sigma_major_max / vane.p_b;

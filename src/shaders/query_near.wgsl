@@ -36,8 +36,8 @@ fn quality_for_threshold(threshold: f32, beside_switch: bool) -> Quality {
         q = Quality(3.5, 0.15, 0.4, 0.8, 10.0, 0.8, 0.15);
     }
     if beside_switch {
-        q.cell_phase = min(q.cell_phase, 0.15);
-        q.cell_sigmas = min(q.cell_sigmas, 0.4);
+        q.cell_phase = min(q.cell_phase, 0.2);
+        q.cell_sigmas = min(q.cell_sigmas, 0.5);
     }
     return q;
 }

@@ -4,7 +4,7 @@
 
 #import bevy_plumage::math::{normal_density, normal_distribution}
 #import bevy_plumage::query_far::{Local}
-#import bevy_plumage::query::{Footprint}
+#import bevy_plumage::query::{Footprint, PARTS_MARGIN}
 
 // A line that cuts off less than what lies beyond this many sigmas leaves one part on either side.
 const TAIL_SIGMAS: f32 = 2.5;
@@ -167,5 +167,5 @@ fn rachis_share(f: Footprint, edges: vec2<f32>) -> f32 {
 
 // Whether the average serves not only a footprint but what a line leaves of it, too.
 fn averages(local: Local, threshold: f32) -> bool {
-    return min(local.variance, local.conditional) > 4.0 * threshold;
+    return min(local.variance, local.conditional) > PARTS_MARGIN * threshold;
 }

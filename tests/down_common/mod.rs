@@ -1,340 +1,237 @@
-//! Meshes and the brute-force judge of the shell's walk.
+//! Volumes and lights of the down tests and charts.
 #![allow(dead_code)]
 
-use bevy_plumage::down::shell::Shell;
-use rand::{Rng, RngExt};
-use rayon::prelude::*;
-use std::f64::consts::TAU;
+pub mod pixel;
 
-/// A mesh: positions, indices, height.
-pub struct Skin {
-    /// Name for messages.
-    pub name: &'static str,
-    /// Positions.
-    pub positions: Vec<[f32; 3]>,
-    /// Triangles.
-    pub indices: Vec<u32>,
-    /// Height of every vertex.
-    pub height: f32,
+use bevy::math::{UVec3, Vec3};
+use bevy_plumage::down::{
+    Tile,
+    harmonics::fibonacci_rays,
+    texture::{Fur, fur_tile},
+};
+
+/// A word mixed from three.
+fn hash(x: u64, y: u64, seed: u64) -> f64 {
+    let mut z = x
+        .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        .wrapping_add(y.wrapping_mul(0xd1b5_4a32_d192_ed03))
+        .wrapping_add(seed.wrapping_mul(0x8cb9_2ba7_2f3d_8dd7));
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-impl Skin {
-    /// Its shell.
-    pub fn shell(&self) -> Shell {
-        let heights = vec![self.height; self.positions.len()];
-        Shell::build(&self.positions, &self.indices, &heights).expect("a sound mesh")
-    }
+/// Value noise on a lattice of `n` cells, periodic over 0..1.
+fn noise(u: f64, v: f64, n: u64, seed: u64) -> f64 {
+    let (x, y) = (u.rem_euclid(1.0) * n as f64, v.rem_euclid(1.0) * n as f64);
+    let (i, j) = (x.floor() as u64, y.floor() as u64);
+    let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
+    let (s, t) = (smooth(x.fract()), smooth(y.fract()));
+    let at = |a: u64, b: u64| hash((i + a) % n, (j + b) % n, seed);
+    let low = at(0, 0) * (1.0 - s) + at(1, 0) * s;
+    let high = at(0, 1) * (1.0 - s) + at(1, 1) * s;
+    low * (1.0 - t) + high * t
 }
 
-/// A torus, R 1, r 0.4, `bumps` of the small radius; `open` leaves out a quarter of the way around.
-pub fn torus(
-    name: &'static str,
-    around: u32,
-    across: u32,
-    bumps: f64,
-    open: bool,
-    height: f32,
-) -> Skin {
-    let mut positions = Vec::new();
-    for i in 0..around {
-        for k in 0..across {
-            let (u, v) = (
-                TAU * f64::from(i) / f64::from(around),
-                TAU * f64::from(k) / f64::from(across),
-            );
-            let r = 0.4 * (1.0 + bumps * (5.0 * u).sin() * (3.0 * v).cos());
-            let w = 1.0 + r * v.cos();
-            positions.push([w * u.cos(), r * v.sin(), w * u.sin()].map(|x| x as f32));
-        }
-    }
-    let mut indices = Vec::new();
-    let last = if open { 3 * around / 4 } else { around };
-    for i in 0..last {
-        for k in 0..across {
-            let at = |i: u32, k: u32| (i % around) * across + k % across;
-            let (a, b, c, d) = (at(i, k), at(i, k + 1), at(i + 1, k), at(i + 1, k + 1));
-            indices.extend([a, b, c, b, d, c]);
-        }
-    }
-    Skin {
-        name,
-        positions,
-        indices,
-        height,
-    }
-}
-
-/// Three sheets that share an edge, and a triangle without area beside them.
-pub fn fan() -> Skin {
-    let mut positions = Vec::new();
-    let mut indices = Vec::new();
-    let n = 8u32;
-    // Axis points first, then every sheet's.
-    for sheet in 0..3 {
-        let angle = TAU * f64::from(sheet) / 3.0 + 0.2;
-        let base = positions.len() as u32;
-        for i in 0..=n {
-            for k in 0..=n {
-                let (x, r) = (f64::from(i) / 8.0, f64::from(k) / 8.0);
-                positions.push([x, r * angle.cos(), r * angle.sin()].map(|v| {
-                    // One axis for all, to the bit.
-                    if k == 0 && v.abs() < 1e-9 {
-                        0.0
-                    } else {
-                        v as f32
-                    }
-                }));
-            }
-        }
-        for i in 0..n {
-            for k in 0..n {
-                let at = |i: u32, k: u32| base + i * (n + 1) + k;
-                let (a, b, c, d) = (at(i, k), at(i, k + 1), at(i + 1, k), at(i + 1, k + 1));
-                indices.extend([a, c, b, b, c, d]);
+/// The undercoat study's `down`: smooth clumps of mean optical depth 4, as high as `size.z` cells that are cubes.
+pub fn down_tile(size: u32, layers: u32, seed: u64) -> Tile {
+    let scale = |n: u64| (n * u64::from(size) / 64).max(1);
+    let mut extinction = Vec::new();
+    for k in 0..layers {
+        let z = (f64::from(k) + 0.5) / f64::from(layers);
+        for j in 0..size {
+            for i in 0..size {
+                let (u, v) = (
+                    (f64::from(i) + 0.5) / f64::from(size),
+                    (f64::from(j) + 0.5) / f64::from(size),
+                );
+                let clump = noise(u, v, scale(8), seed);
+                let shift = 0.05 * z * z;
+                let u = u + shift * (noise(u, v, scale(16), seed + 1) - 0.5);
+                let v = v + shift * (noise(u, v, scale(16), seed + 2) - 0.5);
+                let fibre =
+                    0.5 * noise(u, v, scale(24), seed + 3) + 0.5 * noise(u, v, scale(48), seed + 4);
+                let height = 0.55 + 0.45 * clump;
+                let cut = ((height - z) / 0.25).clamp(0.0, 1.0);
+                extinction.push((fibre * fibre * cut) as f32);
             }
         }
     }
-    // Two corners at one place, and one in a line.
-    indices.extend([0, 0, 1, 0, 1, 2]);
-    Skin {
-        name: "fan",
-        positions,
-        indices,
-        height: 0.05,
+    let mean = extinction.iter().sum::<f32>() / extinction.len() as f32;
+    for e in &mut extinction {
+        *e *= 4.0 / mean;
     }
+    let width = size as f32 / layers as f32;
+    let count = extinction.len();
+    Tile::new(
+        UVec3::new(size, size, layers),
+        width,
+        extinction,
+        vec![Vec3::Z; count],
+    )
+    .expect("a sound tile")
 }
 
-/// The skins of the walk's test.
-pub fn skins() -> Vec<Skin> {
-    vec![
-        torus("torus", 40, 20, 0.0, false, 0.1),
-        torus("open torus", 40, 20, 0.0, true, 0.1),
-        torus("bumpy torus", 56, 32, 0.15, false, 0.1),
-        fan(),
-    ]
+/// The undercoat study's `hair`, `size` cells wide (64 is the study's), with as many hairs a cell.
+pub fn hair_tile(size: u32, layers: u32, seed: u64) -> Tile {
+    let mut fur = Fur {
+        size: UVec3::new(size, size, layers),
+        width: size as f32 / layers as f32,
+        seed,
+        ..Fur::default()
+    };
+    for coat in &mut fur.coats {
+        coat.hairs = coat.hairs * size * size / 4096;
+    }
+    fur_tile(&fur).expect("a sound fur")
 }
 
-type V = [f64; 3];
-
-fn minus(a: V, b: V) -> V {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+/// A tile of one extinction.
+pub fn uniform_tile(size: u32, layers: u32, extinction: f32) -> Tile {
+    let count = (size * size * layers) as usize;
+    let width = size as f32 / layers as f32;
+    Tile::new(
+        UVec3::new(size, size, layers),
+        width,
+        vec![extinction; count],
+        vec![Vec3::X; count],
+    )
+    .expect("a sound tile")
 }
 
-fn times(a: V, b: V) -> V {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+/// The tile mirrored in x.
+pub fn mirrored(tile: &Tile) -> Tile {
+    let size = tile.size();
+    let mut extinction = Vec::new();
+    let mut tangent = Vec::new();
+    for z in 0..size.z as i32 {
+        for y in 0..size.y as i32 {
+            for x in 0..size.x as i32 {
+                let from = tile.cell(size.x as i32 - 1 - x, y, z);
+                extinction.push(tile.extinction()[from]);
+                tangent.push(tile.tangent()[from] * Vec3::new(-1.0, 1.0, 1.0));
+            }
+        }
+    }
+    Tile::new(size, tile.width(), extinction, tangent).expect("a sound tile")
 }
 
-fn inner(a: V, b: V) -> f64 {
+/// What is left of a ray, by steps of about `step` heights through the tile: shares nothing with the walk of the crate.
+pub fn reference_ray(tile: &Tile, from: [f64; 3], d: [f64; 3], step: f64) -> f64 {
+    let size = tile.size().as_dvec3();
+    let way = if d[2] > 0.0 {
+        (1.0 - from[2]) / d[2]
+    } else {
+        from[2] / -d[2]
+    };
+    let steps = (way / step).ceil().min(1e6) as usize;
+    let step = way / steps as f64;
+    let mut depth = 0.0;
+    for i in 0..steps {
+        let t = (i as f64 + 0.5) * step;
+        let p = [0, 1, 2].map(|k| from[k] + t * d[k]);
+        let width = f64::from(tile.width());
+        let cell = tile.cell(
+            (p[0] / width * size.x).floor() as i32,
+            (p[1] / width * size.y).floor() as i32,
+            (p[2] * size.z).floor() as i32,
+        );
+        depth += f64::from(tile.extinction()[cell]) * step;
+        if depth > 20.0 {
+            break;
+        }
+    }
+    (-depth).exp()
+}
+
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// What belongs to one prism, inside a sphere: tetrahedra (any four points), and triangles where a ray may enter, with their start.
-struct Block {
-    centre: V,
-    radius: f64,
-    tets: Vec<[V; 4]>,
-    faces: Vec<([V; 3], u32)>,
+/// A bluish sky, lighter towards the zenith, with a soft sun in direction `sun`: red, green, blue.
+pub fn sky_light(sun: [f64; 3], d: [f64; 3]) -> [f64; 3] {
+    let up = 0.5 + 0.5 * d[2];
+    let sun = 3.0 * (12.0 * (dot(sun, d) - 1.0)).exp();
+    [0.6 * up + sun, 0.8 * up + 0.9 * sun, up + 0.7 * sun]
 }
 
-/// All tetrahedra of a shell, to be cut one by one.
-pub struct Brute {
-    blocks: Vec<Block>,
+/// The precomputed transfer paper's light: one lobe.
+pub fn lobe_light(axis: [f64; 3], d: [f64; 3]) -> f64 {
+    (5.0 * dot(axis, d) - 4.0).max(0.0)
 }
 
-impl Brute {
-    /// Every prism as three tetrahedra between its corners, by the ids of their vertices.
-    pub fn new(shell: &Shell) -> Self {
-        let point = |c: u32| {
-            let v = &shell.vertices[c as usize / 2];
-            // The same rounding as the shell's own corners: those are what is judged, not the extrusion.
-            if c & 1 == 1 { v.top() } else { v.position }.map(f64::from)
+/// Lights over the upper hemisphere: 16 directions.
+pub fn light_directions() -> Vec<[f64; 3]> {
+    fibonacci_rays(32)
+        .into_iter()
+        .filter(|d| d[2] > 0.0)
+        .collect()
+}
+
+/// Luminance.
+pub fn grey(c: [f64; 3]) -> f64 {
+    0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]
+}
+
+/// Cells of a tile spread over all heights, and what reaches each from a light, by 2048 rays of the judge.
+pub struct Judge {
+    /// Cells that are judged.
+    pub cells: Vec<usize>,
+    rays: Vec<[f64; 3]>,
+    visible: Vec<Vec<f64>>,
+}
+
+impl Judge {
+    pub fn new(tile: &Tile, step: usize) -> Self {
+        let size = tile.size();
+        let rays: Vec<[f64; 3]> = fibonacci_rays(2048)
+            .into_iter()
+            .filter(|d| d[2] > 0.0)
+            .collect();
+        let cells: Vec<usize> = (0..tile.extinction().len()).step_by(step).collect();
+        let place = |cell: usize| {
+            let at = |i: usize, n: u32, width: f64| (i as f64 + 0.5) / f64::from(n) * width;
+            let (nx, ny) = (size.x as usize, size.y as usize);
+            let width = f64::from(tile.width());
+            [
+                at(cell % nx, size.x, width),
+                at(cell / nx % ny, size.y, width),
+                at(cell / nx / ny, size.z, 1.0),
+            ]
         };
-        let mut blocks = shell
-            .prisms
+        let step = 0.3 / f64::from(size.z);
+        let visible = cells
             .iter()
-            .enumerate()
-            .map(|(i, prism)| {
-                let mut ids = prism.corners;
-                ids.sort_unstable();
-                let (low, high) = (ids.map(|v| point(2 * v)), ids.map(|v| point(2 * v + 1)));
-                let all = low.iter().chain(&high);
-                let centre = [0, 1, 2].map(|k| all.clone().map(|p| p[k]).sum::<f64>() / 6.0);
-                let far = all.map(|p| inner(minus(*p, centre), minus(*p, centre)));
-                let radius = far.fold(0.0, f64::max).sqrt() * 1.000_001;
-                let tets = vec![
-                    [low[0], low[1], low[2], high[2]],
-                    [low[0], low[1], high[1], high[2]],
-                    [low[0], high[0], high[1], high[2]],
-                ];
-                // The skin as seen from the body: the mesh's triangle turned around.
-                let [a, b, c] = prism.corners.map(|v| 2 * v);
-                let clockwise = prism.order & 64 != 0;
-                let skin = if clockwise { [a, b, c] } else { [a, c, b] };
-                Block {
-                    centre,
-                    radius,
-                    tets: if prism.is_empty() { Vec::new() } else { tets },
-                    faces: vec![(skin.map(point), i as u32 * 16)],
-                }
+            .map(|cell| {
+                rays.iter()
+                    .map(|d| reference_ray(tile, place(*cell), *d, step))
+                    .collect()
             })
-            .collect::<Vec<_>>();
-        for face in &shell.faces {
-            let corners = face.corners.map(point);
-            blocks[face.start as usize / 16]
-                .faces
-                .push((corners, face.start));
+            .collect();
+        Self {
+            cells,
+            rays,
+            visible,
         }
-        blocks.retain(|b| !b.tets.is_empty());
-        Self { blocks }
     }
 
-    fn near(&self, origin: V, direction: V) -> impl Iterator<Item = &Block> {
-        self.blocks.iter().filter(move |block| {
-            let off = times(minus(block.centre, origin), direction);
-            inner(off, off) <= block.radius * block.radius
-        })
-    }
-
-    /// The intervals of a ray (unit direction, t > 0) inside the shell, ordered and joined where they touch within `gap`.
-    pub fn intervals(&self, origin: V, direction: V, gap: f64) -> Vec<(f64, f64)> {
-        let mut cut = self
-            .near(origin, direction)
-            .flat_map(|block| &block.tets)
-            .filter_map(|tet| clip(tet, origin, direction))
-            .collect::<Vec<_>>();
-        cut.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut joined: Vec<(f64, f64)> = Vec::new();
-        for (from, to) in cut {
-            match joined.last_mut() {
-                Some(last) if from <= last.1 + gap => last.1 = last.1.max(to),
-                _ => joined.push((from, to)),
+    /// Root of the mean square over cells and suns of what `guess` says (cell, sun) against the judge, over the mean.
+    pub fn error(
+        &self,
+        light: impl Fn([f64; 3], [f64; 3]) -> f64,
+        guess: impl Fn(usize, usize) -> f64,
+    ) -> f64 {
+        let (mut square, mut sum, mut count) = (0.0, 0.0, 0.0);
+        for (s, sun) in light_directions().into_iter().enumerate() {
+            let values: Vec<f64> = self.rays.iter().map(|d| light(sun, *d)).collect();
+            for (cell, visible) in self.cells.iter().zip(&self.visible) {
+                let lit: f64 = visible.iter().zip(&values).map(|(v, l)| v * l).sum();
+                let truth = lit / 2048.0;
+                square += (guess(*cell, s) - truth).powi(2);
+                sum += truth;
+                count += 1.0;
             }
         }
-        joined
+        f64::sqrt(square / count) / (sum / count)
     }
-
-    /// Triangles where a ray enters the shell (front faces of its outside, and the skin from below), nearest first: `(t, start)`. A
-    /// hit on an edge counts for all its triangles.
-    pub fn entries(&self, origin: V, direction: V) -> Vec<(f64, u32)> {
-        let mut hits = self
-            .near(origin, direction)
-            .flat_map(|block| &block.faces)
-            .filter_map(|([p, q, r], start)| {
-                let n = times(minus(*q, *p), minus(*r, *p));
-                let slope = inner(n, direction);
-                if slope >= 0.0 {
-                    return None;
-                }
-                let t = inner(n, minus(*p, origin)) / slope;
-                let x = [0, 1, 2].map(|k| origin[k] + t * direction[k]);
-                let size = inner(n, n);
-                let inside = [(p, q), (q, r), (r, p)]
-                    .iter()
-                    .all(|(a, b)| inner(times(minus(**b, **a), minus(x, **a)), n) >= -1e-9 * size);
-                (t > 0.0 && inside).then_some((t, *start))
-            })
-            .collect::<Vec<_>>();
-        hits.sort_by(|a, b| a.0.total_cmp(&b.0));
-        hits
-    }
-}
-
-/// The part of a ray inside a tetrahedron (half spaces, either orientation).
-fn clip(points: &[V; 4], origin: V, direction: V) -> Option<(f64, f64)> {
-    let (mut from, mut to) = (0.0f64, f64::MAX);
-    for k in 0..4 {
-        let [p, q, r] = [1, 2, 3].map(|j| points[(k + j) % 4]);
-        let mut n = times(minus(q, p), minus(r, p));
-        let inside = inner(n, minus(points[k], p));
-        if inside.abs() < 1e-24 {
-            return None;
-        }
-        if inside < 0.0 {
-            n = n.map(|x| -x);
-        }
-        let (here, slope) = (inner(n, minus(origin, p)), inner(n, direction));
-        if slope > 0.0 {
-            from = from.max(-here / slope);
-        } else if slope < 0.0 {
-            to = to.min(-here / slope);
-        } else if here < 0.0 {
-            return None;
-        }
-    }
-    (from < to).then_some((from, to))
-}
-
-/// Rays at a skin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Aim {
-    /// Between two points of a sphere around it.
-    Random,
-    /// Along the surface, at a random height of the shell.
-    Tangent,
-    /// At vertices and edges.
-    Vertices,
-}
-
-fn unit(a: V) -> V {
-    let length = inner(a, a).sqrt();
-    a.map(|x| x / length)
-}
-
-fn sphere(rng: &mut impl Rng) -> V {
-    let z = rng.random_range(-1.0..1.0f64);
-    let a = rng.random_range(0.0..TAU);
-    let r = (1.0 - z * z).sqrt();
-    [r * a.cos(), r * a.sin(), z]
-}
-
-/// A ray from outside: origin and unit direction.
-pub fn ray(shell: &Shell, aim: Aim, rng: &mut impl Rng) -> (V, V) {
-    match aim {
-        Aim::Random => {
-            let origin = sphere(rng).map(|x| 2.5 * x);
-            let target = sphere(rng).map(|x| 1.2 * x);
-            (origin, unit(minus(target, origin)))
-        }
-        Aim::Tangent => {
-            let v = &shell.vertices[rng.random_range(0..shell.vertices.len())];
-            let n = v.normal.map(f64::from);
-            let height = f64::from(v.height) * rng.random_range(0.0..1.0);
-            let along = unit(times(n, sphere(rng)));
-            let origin =
-                [0, 1, 2].map(|k| f64::from(v.position[k]) + height * n[k] - 3.0 * along[k]);
-            (origin, along)
-        }
-        Aim::Vertices => {
-            let prism = &shell.prisms[rng.random_range(0..shell.prisms.len())];
-            let [p, q] = [0, 1].map(|k: usize| {
-                let v = &shell.vertices[prism.corners[k] as usize];
-                let end = if rng.random_range(0..2) == 0 {
-                    v.position
-                } else {
-                    v.top()
-                };
-                end.map(f64::from)
-            });
-            let s = if rng.random_range(0..2) == 0 {
-                0.0
-            } else {
-                rng.random_range(0.0..1.0)
-            };
-            let target = [0, 1, 2].map(|k| p[k] + s * (q[k] - p[k]));
-            let origin = sphere(rng).map(|x| 2.5 * x);
-            (origin, unit(minus(target, origin)))
-        }
-    }
-}
-
-/// Sums `f` over the numbers below `count`, on all processors.
-pub fn sum<const N: usize>(count: u64, f: impl Fn(u64) -> [f64; N] + Sync + Send) -> [f64; N] {
-    (0..count)
-        .into_par_iter()
-        .map(f)
-        .reduce(|| [0.0; N], |a, b| std::array::from_fn(|k| a[k] + b[k]))
 }

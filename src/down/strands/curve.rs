@@ -140,8 +140,10 @@ pub fn strand_tangent<T: Float>(curve: &[[T; 3]; 4], s: T, fallback: [T; 3]) -> 
 }
 
 /// Segments for a strand of `pixels` on screen that may be `tolerance` pixels off: `bend` as in [`StrandShape`].
+///
+/// A chord is off by 0.42 bend / n^2 of the length: the fit to the study's own measurements, whose rule says 0.2.
 pub fn strand_segments<T: Float>(bend: T, pixels: T, tolerance: T) -> T {
-    let wanted = real::<T>(0.2) * bend.abs() * pixels.max(T::zero()) / tolerance.max(real(1e-3));
+    let wanted = real::<T>(0.42) * bend.abs() * pixels.max(T::zero()) / tolerance.max(real(1e-3));
     clamp(
         wanted.sqrt().ceil(),
         real(f64::from(LEAST_SEGMENTS)),

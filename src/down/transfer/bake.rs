@@ -18,9 +18,10 @@ const MOST_STEPS: u32 = 512;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rays {
     /// A Fibonacci lattice: the error falls with the number of rays, not with its root.
-    #[default]
     Fibonacci,
-    /// A lattice in one quarter of the azimuth, mirrored in x and in y: a mirrored tile then has the mirrored transfer to rounding.
+    /// A lattice in one quarter of the azimuth, mirrored in x and in y: a mirrored tile then has the mirrored transfer to rounding,
+    /// and no side is brighter. Takes one and a half times as many rays as the plain lattice for the same error.
+    #[default]
     Mirrored,
     /// Independent random directions, as published.
     Random(u64),
@@ -51,7 +52,7 @@ pub struct TransferSettings {
 impl Default for TransferSettings {
     fn default() -> Self {
         Self {
-            count: 256,
+            count: 512,
             rays: Rays::Mirrored,
             skin: Skin::Opaque(0.0),
             sine: false,
@@ -81,6 +82,8 @@ pub enum TransferError {
 pub struct RawTransfer {
     /// One array a cell, in the tile's order.
     pub cells: Vec<[f32; HARMONICS]>,
+    /// Albedo of the skin below; 0 without.
+    pub albedo: f32,
 }
 
 /// Directions of a set of rays, each worth `4 pi / count`.
@@ -95,7 +98,9 @@ pub fn rays(rays: Rays, count: u32) -> Vec<[f64; 3]> {
             for i in 0..quarter {
                 let z = 1.0 - (2 * i + 1) as f64 / quarter as f64;
                 let r = (1.0 - z * z).max(0.0).sqrt();
-                let phi = 0.5 * PI * ((i as f64 + 0.5) * golden).fract();
+                // Folded like the mirrored function: a lattice is exact for whole periods only.
+                let turn = 2.0 * ((i as f64 + 0.5) * golden).fract();
+                let phi = 0.5 * PI * (1.0 - (turn - 1.0).abs());
                 let (x, y) = (r * phi.cos(), r * phi.sin());
                 all.extend([[x, y, z], [-x, y, z], [-x, -y, z], [x, -y, z]]);
             }
@@ -195,6 +200,31 @@ impl<'a> Baker<'a> {
         (cells.start.min(end)..end).map(|i| self.cell(i)).collect()
     }
 
+    /// Light left of every ray that leaves a cell, in the order of [`rays`]; 0 for those that opaque skin blocks. What the harmonics
+    /// are made from. Empty for a cell that is not there.
+    pub fn visibility(&self, cell: usize) -> Vec<f32> {
+        if cell >= self.cells() {
+            return Vec::new();
+        }
+        let size = self.tile.size().as_usizevec3();
+        let place = [
+            cell % size.x,
+            cell / size.x % size.y,
+            cell / (size.x * size.y),
+        ];
+        let clear = self.settings.skin == Skin::Clear;
+        self.rays
+            .iter()
+            .map(|ray| {
+                if ray.step[2] < 0 && !clear {
+                    0.0
+                } else {
+                    self.transmittance(ray, place, 0.5)
+                }
+            })
+            .collect()
+    }
+
     fn cell(&self, index: usize) -> [f32; HARMONICS] {
         let size = self.tile.size().as_usizevec3();
         let place = [
@@ -219,6 +249,9 @@ impl<'a> Baker<'a> {
             }
             if down && !clear {
                 blocked += light;
+                continue;
+            }
+            if light == 0.0 {
                 continue;
             }
             for (sum, y) in sum.iter_mut().zip(ray.basis) {
@@ -250,50 +283,55 @@ impl<'a> Baker<'a> {
 
     /// Light left of a ray that starts in the middle of a cell (at `rise` of its height) and leaves the tile above or below.
     fn transmittance(&self, ray: &Ray, place: [usize; 3], rise: f32) -> f32 {
-        let size = self.tile.size().as_ivec3().to_array();
+        let size = self.tile.size().as_usizevec3().to_array();
         let extinction = self.tile.extinction();
-        let mut at = place.map(|p| p as i32);
-        let first = if ray.step[2] > 0 { 1.0 - rise } else { rise };
-        let mut next = [
-            ray.stride[0] * 0.5,
-            ray.stride[1] * 0.5,
-            ray.stride[2] * first,
-        ];
+        let layer = size[0] * size[1];
+        let up = ray.step[2] > 0;
+        let [mut x, mut y, mut z] = place;
+        let [sx, sy, sz] = ray.stride;
+        let (mut next_x, mut next_y) = (sx * 0.5, sy * 0.5);
+        let mut next_z = sz * if up { 1.0 - rise } else { rise };
         let mut way = 0.0;
         let mut depth = 0.0;
         for _ in 0..MOST_STEPS {
-            let cell = (at[0] + size[0] * (at[1] + size[1] * at[2])) as usize;
-            let axis = if next[0] < next[1] {
-                if next[0] < next[2] { 0 } else { 2 }
-            } else if next[1] < next[2] {
-                1
+            let here = extinction[x + size[0] * y + layer * z];
+            if next_x < next_y && next_x < next_z {
+                depth += here * (next_x - way);
+                way = next_x;
+                next_x += sx;
+                x = wrapped(x, ray.step[0], size[0]);
+            } else if next_y < next_z {
+                depth += here * (next_y - way);
+                way = next_y;
+                next_y += sy;
+                y = wrapped(y, ray.step[1], size[1]);
             } else {
-                2
-            };
-            depth += extinction[cell] * (next[axis] - way);
+                depth += here * (next_z - way);
+                way = next_z;
+                next_z += sz;
+                z = if up { z + 1 } else { z.wrapping_sub(1) };
+                if z >= size[2] {
+                    return (-depth).exp();
+                }
+            }
             if depth > DARK {
                 return 0.0;
             }
-            way = next[axis];
-            next[axis] += ray.stride[axis];
-            at[axis] += ray.step[axis];
-            if axis == 2 {
-                if at[2] < 0 || at[2] >= size[2] {
-                    return (-depth).exp();
-                }
-            } else if at[axis] < 0 {
-                at[axis] += size[axis];
-            } else if at[axis] >= size[axis] {
-                at[axis] = 0;
-            }
         }
-        let layers = if ray.step[2] > 0 {
-            size[2] - at[2]
-        } else {
-            at[2] + 1
-        };
-        depth += self.mean * (layers as f32 * ray.stride[2]);
+        let layers = if up { size[2] - z } else { z + 1 };
+        depth += self.mean * (layers as f32 * sz);
         (-depth).exp()
+    }
+}
+
+/// The next index along a period.
+fn wrapped(i: usize, step: i32, size: usize) -> usize {
+    if step > 0 {
+        if i + 1 == size { 0 } else { i + 1 }
+    } else if i == 0 {
+        size - 1
+    } else {
+        i - 1
     }
 }
 
@@ -305,10 +343,15 @@ pub fn bake(
 ) -> Result<RawTransfer, TransferError> {
     let baker = Baker::new(tile, settings)?;
     let all = baker.cells();
+    let albedo = match settings.skin {
+        Skin::Opaque(albedo) => albedo,
+        Skin::Clear => 0.0,
+    };
     let threads = threads.clamp(1, 64);
     if threads == 1 {
         return Ok(RawTransfer {
             cells: baker.bake(0..all),
+            albedo,
         });
     }
     // More parts than threads would be fairer, but cells of one layer cost about the same: deal out rows in turn.
@@ -336,5 +379,5 @@ pub fn bake(
             });
         }
     });
-    Ok(RawTransfer { cells })
+    Ok(RawTransfer { cells, albedo })
 }

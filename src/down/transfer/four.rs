@@ -13,8 +13,9 @@ pub const BANDS_VEC4S: usize = 8;
 
 /// Transfer of one cell.
 ///
-/// With V(w) the light that arrives from direction w (0 to 1), `openness` is the mean of V over the sphere and `bent` the mean of
-/// V(w) w, at most 1/4 long. Both average linearly, so that mips and filtering are right.
+/// With V(w) the share of the light from direction w that arrives, `openness` is the mean of V over the sphere and `bent` the mean
+/// of V(w) w. Over black skin V is at most 1, `openness` 1/2 and `bent` 1/4 long; skin of albedo 1 adds up to 2 to V. Both average
+/// linearly, so that mips and filtering are right.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Four<T> {
     /// Mean of V(w) w over the sphere, in the frame of the skin (x along the lay, z out of it) or any frame it is turned to.
@@ -31,6 +32,8 @@ pub struct TransferBands {
     pub fit: [[f32; FOUR_FIT]; 3],
     /// Length of the longest bent vector of the tile: what 1 stands for in its texture.
     pub longest: f32,
+    /// Most that V can be: 1, and twice the albedo of the skin.
+    pub brightest: f32,
 }
 
 /// A compressed tile.
@@ -59,13 +62,14 @@ fn terms<T: Float>(a: T, c: T) -> [T; FOUR_FIT] {
 }
 
 impl TransferBands {
-    /// The layout of a uniform buffer: the three rows one after the other, then `longest`.
+    /// The layout of a uniform buffer: the three rows one after the other, then `longest` and `brightest`.
     pub fn vec4s(&self) -> [[f32; 4]; BANDS_VEC4S] {
         let mut flat = [0.0; 4 * BANDS_VEC4S];
         for (out, value) in flat.iter_mut().zip(self.fit.iter().flatten()) {
             *out = *value;
         }
         flat[30] = self.longest;
+        flat[31] = self.brightest;
         std::array::from_fn(|i| std::array::from_fn(|k| flat[4 * i + k]))
     }
 }
@@ -73,8 +77,7 @@ impl TransferBands {
 /// Zonal coefficients of bands 0 to 4 of a cell: the means over the sphere of V P_l about the bent vector.
 pub fn transfer_bands<T: Float>(four: &Four<T>, bands: &TransferBands) -> [T; BANDS + 1] {
     let a = clamp(four.openness, T::zero(), T::one());
-    let quarter = real::<T>(0.25);
-    let length = dot(four.bent, four.bent).sqrt().min(quarter).min(a);
+    let length = dot(four.bent, four.bent).sqrt().min(a);
     let terms = terms(a, length * real(4.0));
     let mut out = [a, length, T::zero(), T::zero(), T::zero()];
     for (band, fit) in out[2..].iter_mut().zip(bands.fit) {
@@ -133,14 +136,14 @@ fn zonal<T: Float>(four: &Four<T>, bands: &TransferBands, light: &[[T; 3]]) -> [
     sum.map(|v| v.max(T::zero()))
 }
 
-/// V itself: the share of a light in the unit direction `light` that reaches a cell, 0 to 1.
+/// V itself: the share of a light in the unit direction `light` that reaches a cell, 0 to `bands.brightest`.
 pub fn transfer_towards<T: Float>(four: &Four<T>, bands: &TransferBands, light: [T; 3]) -> T {
     let zonal = transfer_bands(four, bands);
     let p = legendre(clamp(dot(axis(four.bent), light), -T::one(), T::one()));
     let sum = (0..=BANDS).fold(T::zero(), |sum, l| {
         sum + real::<T>((2 * l + 1) as f64) * zonal[l] * p[l]
     });
-    clamp(sum, T::zero(), T::one())
+    clamp(sum, T::zero(), real(f64::from(bands.brightest)))
 }
 
 /// A cell turned with the skin: `frame` holds the world directions of the tile's x, y and z.
@@ -223,6 +226,7 @@ fn fit(raw: &RawTransfer, cells: &[Four<f32>]) -> TransferBands {
             .iter()
             .map(|c| dot(c.bent, c.bent).sqrt())
             .fold(1e-3, f32::max),
+        brightest: 1.0 + 2.0 * raw.albedo,
     }
 }
 
