@@ -4,6 +4,7 @@ mod common;
 use bevy_plumage::down::{
     Density,
     density::{DownShape, TILE_SIZE, down_tile},
+    draws_down,
     slab::{Coat, SlabRay},
     tier::*,
 };
@@ -136,14 +137,56 @@ fn dolly_without_popping() {
             step = step.max(apart(&pair[0], &pair[1]));
         }
         let total = apart(&frames[0], &frames[115]);
+        // No jump hides in a slow change: within a transition no frame changes more than three times as much as its mean frame.
+        // What changes by less than a quarter of a step of 8 bits all in all is not seen, whatever its shape.
+        let mut slope = 0.0f64;
+        for limit in TIER_PX {
+            let inside = (0..115)
+                .filter(|i| {
+                    let h = |i: usize| 30.0 * 0.97f64.powi(i as i32);
+                    h(*i) > limit * (1.0 - 0.5 * TRANSITION)
+                        && h(*i + 1) < limit * (1.0 + 0.5 * TRANSITION)
+                })
+                .map(|i| apart(&frames[i], &frames[i + 1]))
+                .collect::<Vec<_>>();
+            let sum = inside.iter().sum::<f64>();
+            if sum > 0.25 / 255.0 {
+                let largest = inside.iter().copied().fold(0.0, f64::max);
+                slope = slope.max(largest * inside.len() as f64 / sum);
+            }
+        }
         println!(
-            "eye {eye} light {light}: step {:.2}/255, near to far {:.2}/255 of {:.0}/255",
+            "eye {eye} light {light}: step {:.2}/255, {slope:.2} of its mean at most, near to far {:.2}/255 of {:.0}/255",
             255.0 * step,
             255.0 * total,
             255.0 * frames[0][0]
         );
         assert!(step <= 1.0 / 255.0, "{eye} {light}: {step}");
+        assert!(slope <= 3.0, "{eye} {light}: {slope}");
     }
+}
+
+/// From the far tier to none: feathers close over the down, and open again; it is left out and drawn again where nobody sees it.
+#[test]
+fn closing_feathers_hide_the_down_without_a_step() {
+    let error = 1.0 / 255.0;
+    let covers = (0..=800).map(|i| f64::from(i) * 0.01);
+    let both = covers.clone().chain(covers.rev());
+    let (mut drawn, mut changes) = (true, Vec::new());
+    for cover in both {
+        let now = draws_down(cover as f32, 0.0, error, drawn);
+        if now != drawn {
+            // What the picture changes by at once: all that shows of the down, times its contrast to the skin.
+            changes.push((now, cover, cover_transmittance(cover) * CONTRAST));
+        }
+        drawn = now;
+    }
+    println!("{changes:?}");
+    let [(false, closed, at_closing), (true, open, at_opening)] = changes[..] else {
+        panic!("{changes:?}");
+    };
+    assert!(closed - open > 0.25, "no hysteresis: {closed} {open}");
+    assert!(at_closing <= 1.0 / 255.0 && at_opening <= 1.01 / 255.0);
 }
 
 #[test]

@@ -58,7 +58,7 @@ pub(super) struct Baked {
 
 enum Bake {
     Busy(Task<Result<TileBake, DownError>>),
-    Done(Baked),
+    Done(Box<Baked>),
     Failed(String),
 }
 
@@ -83,13 +83,13 @@ impl Bakes {
             && let Some(result) = block_on(poll_once(task))
         {
             *bake = match result {
-                Ok(baked) => Bake::Done(upload(baked, images)),
+                Ok(baked) => Bake::Done(Box::new(upload(baked, images))),
                 Err(error) => Bake::Failed(error.to_string()),
             };
         }
         match bake {
             Bake::Busy(_) => None,
-            Bake::Done(baked) => Some(Ok(baked.clone())),
+            Bake::Done(baked) => Some(Ok((**baked).clone())),
             Bake::Failed(error) => Some(Err(error.clone())),
         }
     }

@@ -1,6 +1,6 @@
 //! The extrusion: once a frame a compute pass skins the nodes of every shell that is drawn and raises their tops.
 
-use super::grow::UndercoatShell;
+use super::wear::UndercoatShell;
 use crate::shaders::UNDERCOAT_EXTRUDE;
 use bevy::{
     core_pipeline::schedule::camera_driver,

@@ -12,7 +12,7 @@
 //! | `asset`, `loader`, `error` | [`Down`] |
 //! | `component` | what apps put on entities |
 //! | `bake` | the tile, its transfer and its tables, once for each down |
-//! | `grow`, `pack`, `hairs` | shells and strands over meshes |
+//! | `meshes`, `grow`, `pack`, `hairs`, `wear` | shells and strands over meshes |
 //! | `tract` | down below the feathers of a bird, and when it is drawn |
 //! | `material`, `extrude`, `plugin` | what a frame draws |
 
@@ -31,6 +31,7 @@ pub mod light;
 mod loader;
 pub mod march;
 mod material;
+mod meshes;
 mod pack;
 mod plugin;
 pub mod prism;
@@ -47,6 +48,7 @@ mod tract;
 pub mod transfer;
 mod vector;
 pub mod walk;
+mod wear;
 
 pub use asset::{Coat, Down, Transfer};
 pub use component::{
@@ -55,9 +57,9 @@ pub use component::{
 };
 pub use density::Density;
 pub use error::DownError;
-pub use grow::UndercoatShell;
 pub use loader::DownLoader;
 pub use material::{StrandMaterial, StrandUniform, UndercoatMaterial, UndercoatUniform};
 pub use plugin::UndercoatPlugin;
 pub use tile::Tile;
 pub use tract::draws_down;
+pub use wear::UndercoatShell;

@@ -6,7 +6,7 @@ use super::{
     extrude::ExtrudePlugin,
     grow,
     material::{StrandMaterial, UndercoatMaterial},
-    tract,
+    tract, wear,
 };
 use crate::shaders::ShadersPlugin;
 use bevy::{
@@ -53,7 +53,7 @@ impl Plugin for UndercoatPlugin {
                     grow::finish,
                     tract::find_tracts,
                     tract::tend_tracts,
-                    grow::apply_settings,
+                    wear::apply_settings,
                 )
                     .chain()
                     .after(TransformSystems::Propagate),

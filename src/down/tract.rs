@@ -3,9 +3,9 @@
 use super::{
     Down, Undercoat, UndercoatSettings, UndercoatState,
     bake::Bakes,
-    grow::{Grown, Stores, Wear},
     pack::{PackedShell, ShellShape},
     tier::{CONTRAST, cover_now, is_drawn},
+    wear::{Grown, Stores, Wear},
 };
 use crate::{
     groom::{Groom, PlumageCards, PlumageGround},
