@@ -46,7 +46,7 @@ fn main() {
             ..default()
         })
         .add_systems(Startup, setup)
-        .add_systems(Update, (frame, dev))
+        .add_systems(Update, frame)
         .add_observer(arrived);
     });
 }
@@ -107,8 +107,8 @@ fn strands(args: &Args) -> Option<GuardStrands> {
             density: 30.0,
             length_mm: (13.0, 0.3),
             radius_um: 70.0,
-            colour: [0.60, 0.52, 0.44],
-            tip_colour: [0.85, 0.78, 0.70],
+            colour: [0.72, 0.64, 0.56],
+            tip_colour: [0.97, 0.93, 0.87],
             ..default()
         }),
     }
@@ -259,31 +259,6 @@ fn frame(
         model.remove::<Unframed>().insert(coat(&assets, &args, 1.5));
         if let Some(strands) = strands(&args) {
             model.insert(strands);
-        }
-    }
-}
-
-// DEV
-fn dev(mut n: Local<u32>, server: Res<AssetServer>, mut shaders: ResMut<Assets<Shader>>) {
-    *n += 1;
-    if *n != 3 {
-        return;
-    }
-    let Ok(dir) = std::env::var("DEV_SHADERS") else {
-        return;
-    };
-    for entry in std::fs::read_dir(&dir).unwrap() {
-        let path = entry.unwrap().path();
-        let name = path.file_name().unwrap().to_str().unwrap().to_string();
-        if !(name.starts_with("undercoat") || name.starts_with("down_")) || !name.ends_with(".wgsl")
-        {
-            continue;
-        }
-        let asset: &'static str =
-            Box::leak(format!("embedded://bevy_plumage/shaders/{name}").into_boxed_str());
-        if let Some(handle) = server.get_handle::<Shader>(asset) {
-            let text = std::fs::read_to_string(&path).unwrap();
-            let _ = shaders.insert(handle.id(), Shader::from_wgsl(text, asset));
         }
     }
 }

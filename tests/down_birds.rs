@@ -54,13 +54,18 @@ fn perch(stage: &mut Stage, name: &str, eye: Vec3, target: Vec3) -> Entity {
             ..default()
         }),
     ));
+    let mut suns = world.query::<&mut DirectionalLight>();
+    for mut sun in suns.iter_mut(world) {
+        sun.shadow_maps_enabled = false;
+    }
     let assets = world.resource::<AssetServer>().clone();
     let label = |label: GltfAssetLabel| -> AssetPath<'static> { label.from_asset(file.clone()) };
     let bird = world
         .spawn((
             WorldAssetRoot(assets.load(label(GltfAssetLabel::Scene(0)))),
             Resting(assets.load(label(GltfAssetLabel::Animation(0)))),
-            Plumage::new(assets.load(format!("grooms/{name}.groom.ron"))),
+            // A quarter of the feathers, twice as large: cover stays.
+            Plumage::new(assets.load(format!("grooms/{name}.groom.ron"))).with_density(0.25),
             Transform::IDENTITY,
         ))
         .id();

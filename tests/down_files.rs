@@ -30,7 +30,7 @@ fn a_file_may_leave_everything_out() {
 fn damaged_files_are_refused_with_what_is_wrong() {
     for (text, expected) in [
         ("", "a.down.ron:1:1:"),
-        ("(version: 1, thickness_mm: )", "a.down.ron:1:28:"),
+        ("(version: 1, thickness_mm: )", "a.down.ron:1:27:"),
         ("(version: 1, thickness: 4.0)", "thickness"),
         (
             "(version: 7)",

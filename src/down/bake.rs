@@ -6,6 +6,7 @@ use super::{
     march::extinction_sine,
     material::COLUMN,
     texture::{self, Fur, fur_tile},
+    tier::column_correction,
     transfer::{Transfer, TransferSettings, bake, transfer_texture},
 };
 use bevy::{
@@ -22,6 +23,8 @@ use bevy::{
 const CLUMPS: u32 = 8;
 /// Levels of the density texture.
 const MIPS: usize = 4;
+/// Rays for each node of the table that joins the tiers.
+const CORRECTION_RAYS: u32 = 128;
 
 /// What is baked of one down.
 #[derive(Clone, Debug)]
@@ -45,6 +48,8 @@ pub(super) struct Table {
     pub column: [Vec4; COLUMN / 4],
     /// How the higher bands of the transfer follow from its four numbers.
     pub bands: [Vec4; 8],
+    /// [`column_correction`].
+    pub correction: [Vec4; 16],
 }
 
 /// A baked down on its way to the GPU.
@@ -251,6 +256,7 @@ fn bake_tile(down: &Down) -> Result<TileBake, DownError> {
             (coarse.size(), bytes, transfer.bands.vec4s().map(Vec4::from))
         }
     };
+    let correction = column_correction(&density, CORRECTION_RAYS);
     Ok(TileBake {
         size: tile.size(),
         levels: levels.len() as u32,
@@ -262,6 +268,7 @@ fn bake_tile(down: &Down) -> Result<TileBake, DownError> {
             mean: scale * density.mean(),
             column,
             bands,
+            correction: std::array::from_fn(|i| Vec4::from_slice(&correction[4 * i..])),
         },
     })
 }

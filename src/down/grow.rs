@@ -7,7 +7,7 @@ use super::{
     hairs::{StrandInput, grow_strands},
     meshes::{Input, Meshes},
     pack::{PackedShell, ShellShape},
-    wear::{Grown, Stores, UndercoatShell, Wear},
+    wear::{Grown, Outgoing, Stores, UndercoatShell, Wear},
 };
 use crate::groom::SkinMesh;
 use bevy::{
@@ -185,7 +185,7 @@ pub(super) fn finish(
     mut bakes: ResMut<Bakes>,
     settings: Res<UndercoatSettings>,
     entities: Query<Entity>,
-    old: Query<(Entity, &UndercoatShell)>,
+    old: Query<(Entity, &UndercoatShell), Without<Outgoing>>,
     mut coats: Query<(
         Entity,
         &Undercoat,
@@ -202,7 +202,7 @@ pub(super) fn finish(
         let targets = std::mem::take(&mut job.targets);
         commands.entity(owner).remove::<GrowJob>();
         for (entity, _) in old.iter().filter(|(_, shell)| shell.owner == owner) {
-            commands.entity(entity).try_despawn();
+            commands.entity(entity).try_insert(Outgoing::START);
         }
         let baked = downs.get(&coat.down).and_then(|down| {
             let baked = bakes.get(coat.down.id(), down, &mut assets.images)?.ok()?;

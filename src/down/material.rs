@@ -13,7 +13,7 @@ use bevy::{
         },
         storage::ShaderBuffer,
     },
-    shader::ShaderRef,
+    shader::{ShaderDefVal, ShaderRef},
 };
 
 /// Samples of the mean column.
@@ -40,6 +40,22 @@ pub struct UndercoatUniform {
     pub bands: [Vec4; 8],
     /// Mean optical depth above each height, in heights 0..1.
     pub column: [Vec4; COLUMN / 4],
+    /// [`column_correction`](super::tier::column_correction).
+    pub correction: [Vec4; 16],
+}
+
+/// The shader picks the samples that a fragment covers itself: hardware rounds opacities to quarters, which leaves thin hairs out.
+fn pick_samples(descriptor: &mut RenderPipelineDescriptor) {
+    let samples = descriptor.multisample.count;
+    descriptor.multisample.alpha_to_coverage_enabled = false;
+    if samples > 1
+        && let Some(fragment) = &mut descriptor.fragment
+    {
+        fragment.shader_defs.push("SAMPLE_COVERAGE".into());
+        fragment
+            .shader_defs
+            .push(ShaderDefVal::UInt("UNDERCOAT_SAMPLES".into(), samples));
+    }
 }
 
 /// What makes two coats want different pipelines.
@@ -116,6 +132,8 @@ impl Material for UndercoatMaterial {
             && key.bind_group_data.mode == UndercoatMode::Shells
         {
             fragment.shader_defs.push("UNDERCOAT_SHELLS".into());
+        } else {
+            pick_samples(descriptor);
         }
         Ok(())
     }
@@ -190,6 +208,7 @@ impl Material for StrandMaterial {
     ) -> Result<(), SpecializedMeshPipelineError> {
         descriptor.vertex.buffers = vec![layout.0.get_layout(&[STRAND.at_shader_location(0)])?];
         descriptor.primitive.cull_mode = None;
+        pick_samples(descriptor);
         Ok(())
     }
 }

@@ -49,6 +49,7 @@ impl Plugin for UndercoatPlugin {
                     bake::forget_changed,
                     grow::request,
                     grow::tend,
+                    wear::let_go,
                     grow::start,
                     grow::finish,
                     tract::find_tracts,

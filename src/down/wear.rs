@@ -56,6 +56,25 @@ impl Grown {
     }
 }
 
+/// A shell that another takes over from: frames that it still stays, until the other's buffers are on the GPU.
+#[derive(Component)]
+pub(super) struct Outgoing(u8);
+
+impl Outgoing {
+    /// Long enough for materials that wait for their textures.
+    pub(super) const START: Self = Self(3);
+}
+
+/// Drops the shells whose time is over.
+pub(super) fn let_go(mut commands: Commands, mut old: Query<(Entity, &mut Outgoing)>) {
+    for (entity, mut left) in &mut old {
+        if left.0 == 0 {
+            commands.entity(entity).try_despawn();
+        }
+        left.0 = left.0.saturating_sub(1);
+    }
+}
+
 /// Where meshes, buffers and materials go.
 #[derive(SystemParam)]
 pub(super) struct Stores<'w> {
@@ -239,6 +258,7 @@ pub(super) fn uniform_of(
         ),
         bands: table.bands,
         column: table.column,
+        correction: table.correction,
     }
 }
 

@@ -33,6 +33,7 @@
     walk_start,
 }
 #import bevy_plumage::feather_lighting as lighting
+#import bevy_plumage::feather_pattern::{hashed_threshold, sample_mask}
 #import bevy_plumage::undercoat_data as data
 #import bevy_plumage::undercoat_data::coat
 #import bevy_plumage::undercoat_lighting as light
@@ -142,6 +143,9 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
 struct FragmentOutput {
     @location(0) color: vec4<f32>,
     @builtin(frag_depth) depth: f32,
+#ifdef SAMPLE_COVERAGE
+    @builtin(sample_mask) samples: u32,
+#endif
 }
 
 // Where the walk has come to, with the prism it is in.
@@ -221,6 +225,8 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     let entry_height = dot(j.cell.heights, j.walk.place.xyz);
     let height_px = pixels_of(entry_height, origin);
     let entry = place_of(j.cell, data::tile_gradient(j.cell), j.walk.place, to_eye, height_px, 0.0);
+    // It moves with the skin, so that the rim does not swim.
+    let threshold = hashed_threshold(entry.at.xy, dpdx(entry.at.xy), dpdy(entry.at.xy), 0u);
     // It ends where the mean coat along it is opaque: at the tips that is further on than deep inside.
     let sine = extinction_sine(dot(entry.tangent, direction), 0.5 * (coat.fibre.x + coat.fibre.y));
     let clip_depth = coat.skin.w / max(sine, 0.05);
@@ -333,16 +339,20 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
         default: {}
     }
 
-#ifndef ALPHA_TO_COVERAGE
-    if (alpha < pixel_noise(in.position.xy)) {
-        discard;
-    }
-    alpha = 1.0;
-#endif
     let depth_at = select(min(march_mean_distance(march), end), end - 0.05 * entry_height, coat.shape.w < 0.5);
     let clip = position_world_to_clip(origin + direction * depth_at);
     var out: FragmentOutput;
-    out.color = lighting::finish(vec4(color, alpha), vec4(origin, 1.0), in.position);
+#ifdef SAMPLE_COVERAGE
+    out.samples = sample_mask(alpha, threshold, 0u, #{UNDERCOAT_SAMPLES}u);
+    if (out.samples == 0u) {
+        discard;
+    }
+#else
+    if (alpha < threshold) {
+        discard;
+    }
+#endif
+    out.color = lighting::finish(vec4(color, 1.0), vec4(origin, 1.0), in.position);
     out.depth = clip.z / clip.w;
     return out;
 }

@@ -1,5 +1,6 @@
 // What a coat's material binds, and how shells lie in memory (src/down/pack.rs, src/down/material.rs).
 #define_import_path bevy_plumage::undercoat_data
+#import bevy_plumage::down_tier::{FAR_SIZE, far_node}
 #import bevy_plumage::down_walk::{PrismCorners, prism_parity}
 
 struct UndercoatUniform {
@@ -19,6 +20,8 @@ struct UndercoatUniform {
     shape: vec4<f32>,
     bands: array<vec4<f32>, 8>,
     column: array<vec4<f32>, 8>,
+    // Light marched over light by the mean column, by the cosines of eye and light.
+    correction: array<vec4<f32>, 16>,
 }
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> coat: UndercoatUniform;
@@ -174,6 +177,23 @@ fn column_above(height: f32) -> f32 {
     let a = coat.column[i / 4u][i % 4u];
     let b = coat.column[(i + 1u) / 4u][(i + 1u) % 4u];
     return mix(a, b, x - f32(i));
+}
+
+fn correction_node(i: u32) -> f32 {
+    return coat.correction[i / 4u][i % 4u];
+}
+
+// What light by the mean column is multiplied with, that the tiers agree in the mean.
+fn column_correction(eye: f32, light: f32) -> f32 {
+    let x = vec2(far_node(eye), far_node(light));
+    let low = min(floor(x), vec2(f32(FAR_SIZE - 2u)));
+    let f = x - low;
+    let i = u32(low.x) + FAR_SIZE * u32(low.y);
+    return mix(
+        mix(correction_node(i), correction_node(i + 1u), f.x),
+        mix(correction_node(i + FAR_SIZE), correction_node(i + FAR_SIZE + 1u), f.x),
+        f.y,
+    );
 }
 
 // Mean extinction at a height.

@@ -149,7 +149,8 @@ fn coat_source(p: Place, s: Surroundings, near: f32) -> vec3<f32> {
             visible += marched * marched_visibility(p, light.direction, data::coat.steps.y);
         }
         if (marched < 1.0) {
-            visible += (1.0 - marched) * column_visibility(p, light.direction);
+            let correction = data::column_correction(eye_mu, dot(p.normal, light.direction));
+            visible += (1.0 - marched) * correction * column_visibility(p, light.direction);
         }
         if (visible <= 0.0) {
             continue;

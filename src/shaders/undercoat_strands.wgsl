@@ -16,6 +16,7 @@
     strand_tangent,
 }
 #import bevy_plumage::feather_lighting as lighting
+#import bevy_plumage::feather_pattern::{hash, sample_mask}
 
 struct StrandUniform {
     // Nodes, prisms, strands, 1: a volume lies below.
@@ -61,6 +62,7 @@ struct VertexOutput {
     @location(3) along: vec4<f32>,
     @location(4) @interpolate(flat) instance: u32,
     @location(5) tint: vec3<f32>,
+    @location(6) @interpolate(flat) strand: u32,
 }
 
 @vertex
@@ -115,6 +117,7 @@ fn vertex(in: VertexInput) -> VertexOutput {
     let tint = unpack4x8unorm(a.w).rgb * w.x + unpack4x8unorm(b.w).rgb * w.y
         + unpack4x8unorm(c.w).rgb * w.z;
     out.tint = tint;
+    out.strand = hash(in.strand.x);
     return out;
 }
 
@@ -124,13 +127,28 @@ fn column_above(height: f32) -> f32 {
     return mix(strands.column[i / 4u][i % 4u], strands.column[(i + 1u) / 4u][(i + 1u) % 4u], x - f32(i));
 }
 
-// Interleaved gradient noise (Jimenez 2014).
-fn pixel_noise(at: vec2<f32>) -> f32 {
-    return fract(52.9829189 * fract(dot(at, vec2(0.06711056, 0.00583715))));
+struct FragmentOutput {
+    @location(0) color: vec4<f32>,
+#ifdef SAMPLE_COVERAGE
+    @builtin(sample_mask) samples: u32,
+#endif
 }
 
 @fragment
-fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
+fn fragment(in: VertexOutput) -> FragmentOutput {
+    var out: FragmentOutput;
+    // Every strand its own threshold: those thinner than a sample are thinned out instead, the same ones in every frame.
+    let threshold = (f32(in.strand >> 8u) + 0.5) / 16777216.0;
+#ifdef SAMPLE_COVERAGE
+    out.samples = sample_mask(in.along.y, threshold, in.strand, #{UNDERCOAT_SAMPLES}u);
+    if (out.samples == 0u) {
+        discard;
+    }
+#else
+    if (in.along.y < threshold) {
+        discard;
+    }
+#endif
     let s = in.along.x;
     let tangent = normalize(in.tangent);
     let normal = normalize(in.normal);
@@ -154,12 +172,6 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
     }
     let sky = lighting::environment(f, normal, normal, 1.0).irradiance;
     sum += albedo * sky * (0.75 * sky_visibility(column)) * multiple_scattering(eye_mu, 0.5, albedo);
-    var alpha = in.along.y;
-#ifndef ALPHA_TO_COVERAGE
-    if (alpha < pixel_noise(in.position.xy)) {
-        discard;
-    }
-    alpha = 1.0;
-#endif
-    return lighting::finish(vec4(sum * lighting::exposure(), alpha), vec4(in.world, 1.0), in.position);
+    out.color = lighting::finish(vec4(sum * lighting::exposure(), 1.0), vec4(in.world, 1.0), in.position);
+    return out;
 }
