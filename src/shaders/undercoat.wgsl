@@ -33,7 +33,7 @@
     walk_start,
 }
 #import bevy_plumage::feather_lighting as lighting
-#import bevy_plumage::feather_pattern::{hashed_threshold, sample_mask}
+#import bevy_plumage::feather_pattern as pattern
 #import bevy_plumage::undercoat_data as data
 #import bevy_plumage::undercoat_data::coat
 #import bevy_plumage::undercoat_lighting as light
@@ -226,7 +226,7 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     let height_px = pixels_of(entry_height, origin);
     let entry = place_of(j.cell, data::tile_gradient(j.cell), j.walk.place, to_eye, height_px, 0.0);
     // It moves with the skin, so that the rim does not swim.
-    let threshold = hashed_threshold(entry.at.xy, dpdx(entry.at.xy), dpdy(entry.at.xy), 0u);
+    let threshold = pattern::hashed_threshold(entry.at.xy, dpdx(entry.at.xy), dpdy(entry.at.xy), 0u);
     // It ends where the mean coat along it is opaque: at the tips that is further on than deep inside.
     let sine = extinction_sine(dot(entry.tangent, direction), 0.5 * (coat.fibre.x + coat.fibre.y));
     let clip_depth = coat.skin.w / max(sine, 0.05);
@@ -343,7 +343,7 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     let clip = position_world_to_clip(origin + direction * depth_at);
     var out: FragmentOutput;
 #ifdef SAMPLE_COVERAGE
-    out.samples = sample_mask(alpha, threshold, 0u, #{UNDERCOAT_SAMPLES}u);
+    out.samples = pattern::sample_mask(alpha, threshold, 0u, #{UNDERCOAT_SAMPLES}u);
     if (out.samples == 0u) {
         discard;
     }

@@ -16,7 +16,7 @@
     strand_tangent,
 }
 #import bevy_plumage::feather_lighting as lighting
-#import bevy_plumage::feather_pattern::{hash, sample_mask}
+#import bevy_plumage::feather_pattern as pattern
 
 struct StrandUniform {
     // Nodes, prisms, strands, 1: a volume lies below.
@@ -117,7 +117,7 @@ fn vertex(in: VertexInput) -> VertexOutput {
     let tint = unpack4x8unorm(a.w).rgb * w.x + unpack4x8unorm(b.w).rgb * w.y
         + unpack4x8unorm(c.w).rgb * w.z;
     out.tint = tint;
-    out.strand = hash(in.strand.x);
+    out.strand = pattern::hash(in.strand.x);
     return out;
 }
 
@@ -140,7 +140,7 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     // Every strand its own threshold: those thinner than a sample are thinned out instead, the same ones in every frame.
     let threshold = (f32(in.strand >> 8u) + 0.5) / 16777216.0;
 #ifdef SAMPLE_COVERAGE
-    out.samples = sample_mask(in.along.y, threshold, in.strand, #{UNDERCOAT_SAMPLES}u);
+    out.samples = pattern::sample_mask(in.along.y, threshold, in.strand, #{UNDERCOAT_SAMPLES}u);
     if (out.samples == 0u) {
         discard;
     }
