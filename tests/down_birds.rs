@@ -1,6 +1,6 @@
 //! Down below the feathers of the real birds (study test D13): at rest it is not drawn, and nobody can tell; ruffled it shows.
 //!
-//! The eagle takes longer: `cargo test --test down_birds -- --ignored --nocapture`.
+//! The whole birds take minutes: `cargo test --test down_birds -- --ignored --nocapture`.
 
 mod common;
 mod down_scene;
@@ -128,6 +128,7 @@ fn check_rest(stage: &mut Stage, name: &str) {
 }
 
 #[test]
+#[ignore = "minutes on a software adapter"]
 fn a_parrot_at_rest_needs_no_down_and_a_ruffled_one_shows_it() {
     let Some(mut stage) = Stage::sized(96, 96) else {
         return;

@@ -9,9 +9,9 @@ use crate::query::math::{Real, clamp};
 /// Thickness in pixels from which the near tier, and the middle tier, draw.
 pub const TIER_PX: [f64; 2] = [12.0, 3.0];
 
-/// Width of a transition, as a share of its thickness. The study's 0.25 changes twice as much from frame to frame; the shares of one
+/// Width of a transition, as a share of its thickness. The study's 0.25 changes three times as much from frame to frame; the shares of one
 /// march blend here, so that a wide transition costs no more.
-pub const TRANSITION: f64 = 0.5;
+pub const TRANSITION: f64 = 0.8;
 
 /// Contrast of down against a skin tinted with its mean colour (an estimate of the study).
 pub const CONTRAST: f64 = 0.3;

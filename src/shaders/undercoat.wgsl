@@ -225,8 +225,10 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     let entry_height = dot(j.cell.heights, j.walk.place.xyz);
     let height_px = pixels_of(entry_height, origin);
     let entry = place_of(j.cell, data::tile_gradient(j.cell), j.walk.place, to_eye, height_px, 0.0);
+#ifndef SAMPLE_COVERAGE
     // It moves with the skin, so that the rim does not swim.
     let threshold = pattern::hashed_threshold(entry.at.xy, dpdx(entry.at.xy), dpdy(entry.at.xy), 0u);
+#endif
     // It ends where the mean coat along it is opaque: at the tips that is further on than deep inside.
     let sine = extinction_sine(dot(entry.tangent, direction), 0.5 * (coat.fibre.x + coat.fibre.y));
     let clip_depth = coat.skin.w / max(sine, 0.05);
@@ -343,7 +345,7 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     let clip = position_world_to_clip(origin + direction * depth_at);
     var out: FragmentOutput;
 #ifdef SAMPLE_COVERAGE
-    out.samples = pattern::sample_mask(alpha, threshold, 0u, #{UNDERCOAT_SAMPLES}u);
+    out.samples = pattern::sample_mask(alpha, 0.5, 0u, #{UNDERCOAT_SAMPLES}u);
     if (out.samples == 0u) {
         discard;
     }

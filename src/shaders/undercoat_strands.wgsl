@@ -137,8 +137,8 @@ struct FragmentOutput {
 @fragment
 fn fragment(in: VertexOutput) -> FragmentOutput {
     var out: FragmentOutput;
-    // Every strand its own threshold: those thinner than a sample are thinned out instead, the same ones in every frame.
-    let threshold = (f32(in.strand >> 8u) + 0.5) / 16777216.0;
+    // Strands thinner than a sample are thinned out, pixel by pixel.
+    let threshold = pattern::pattern_threshold(in.position.xy, in.strand);
 #ifdef SAMPLE_COVERAGE
     out.samples = pattern::sample_mask(in.along.y, threshold, in.strand, #{UNDERCOAT_SAMPLES}u);
     if (out.samples == 0u) {
