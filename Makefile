@@ -2,10 +2,11 @@
 CARGO ?= cargo
 ARGS ?=
 
-.PHONY: help parrot eagle single inspector tour test gallery charts bench docs birds feathers tables setup
+.PHONY: help parrot eagle single fur chick inspector tour test gallery charts bench docs birds feathers tables setup
 
 help:
 	@echo "make parrot | eagle | single   show the example (off screen without a display); ARGS='--camera closeup' passes options"
+	@echo "make fur | chick               fur on a bent cylinder; a young bird in its down"
 	@echo "make inspector                 a parrot with every panel of the editor"
 	@echo "make tour                      its pictures in docs/inspector_tour, by a mouse in a virtual window"
 	@echo "make test                      format, lints, tests, documentation, shaders"
@@ -16,7 +17,7 @@ help:
 setup:
 	@./scripts/setup.sh
 
-parrot eagle: setup
+parrot eagle fur chick: setup
 	$(CARGO) run --example $@ -- $(ARGS)
 
 single: setup
@@ -50,6 +51,8 @@ charts: setup
 	$(CARGO) run --example parrot -- --headless --size 240x135 --time 0 --camera closeup --compare docs/charts/parrot_closeup.json
 	$(CARGO) run --example parrot -- --headless --size 480x270 --time 0 --camera hero --compare docs/charts/parrot_hero.json
 	$(CARGO) run --config 'profile.dev.opt-level=3' --features extract --example extract_charts
+	$(CARGO) run --config 'profile.dev.opt-level=3' --example down_charts
+	$(CARGO) run --config 'profile.dev.opt-level=3' --example fur_charts
 
 bench: setup
 	$(CARGO) bench --profile dev --config 'profile.dev.opt-level=3'

@@ -41,6 +41,13 @@ echo "gallery: extract_pair"
 ${CARGO:-cargo} run -q --all-features --example single_feather -- --headless --frames 1 --size 800x640 --photo "$photo" \
     --output "$out/extract_pair.png" --stats "$out/stats/extract_pair.json" >/dev/null
 rm -r "$(dirname "$photo")"
+for mode in explicit volume hybrid shells; do
+    show fur "fur_$mode" --size 480x360 --mode "$mode"
+done
+show fur fur_closeup --size 480x360 --mode hybrid --camera closeup
+show chick chick --size 640x640 --time 0
+show chick chick_closeup --size 480x360 --camera closeup --time 0
+show parrot parrot_ruffled --size 640x480 --camera closeup --time 0 --ruffle 1
 # One structural feather from three angles, as Chen et al. 2026, Fig. 17.
 show single_feather feather_angle_0 --size 240x320 --feather macaw_blue --camera full
 show single_feather feather_angle_40 --size 240x320 --feather macaw_blue --camera full --turn 40

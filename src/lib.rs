@@ -50,6 +50,10 @@ struct Readme;
 pub mod prelude {
     pub use crate::{
         anatomy::Feather,
+        down::{
+            Down, GuardStrands, Undercoat, UndercoatMode, UndercoatPlugin, UndercoatQuality,
+            UndercoatSettings, UndercoatState, UndercoatTier, UndercoatView,
+        },
         groom::{Groom, Plumage, PlumageState},
         plugin::PlumagePlugins,
         render::{

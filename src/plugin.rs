@@ -1,6 +1,8 @@
 //! The plugin group.
 
-use crate::{anatomy::AnatomyPlugin, groom::GroomPlugin, render::FeatherRenderPlugin};
+use crate::{
+    anatomy::AnatomyPlugin, down::UndercoatPlugin, groom::GroomPlugin, render::FeatherRenderPlugin,
+};
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 
 /// Everything: feather and groom assets, grooming, rendering. Add it after `DefaultPlugins`.
@@ -11,7 +13,8 @@ impl PluginGroup for PlumagePlugins {
         let group = PluginGroupBuilder::start::<Self>()
             .add(AnatomyPlugin)
             .add(GroomPlugin)
-            .add(FeatherRenderPlugin);
+            .add(FeatherRenderPlugin)
+            .add(UndercoatPlugin);
         #[cfg(feature = "extract")]
         let group = group.add(crate::extract::ExtractPlugin);
         group

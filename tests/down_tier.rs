@@ -4,6 +4,7 @@ mod common;
 use bevy_plumage::down::{
     Density,
     density::{DownShape, TILE_SIZE, down_tile},
+    draws_down,
     slab::{Coat, SlabRay},
     tier::*,
 };
@@ -136,14 +137,46 @@ fn dolly_without_popping() {
             step = step.max(apart(&pair[0], &pair[1]));
         }
         let total = apart(&frames[0], &frames[115]);
+        // No frame changes three times as much as the one before it or after it; changes below a quarter of
+        // a step of 8 bits are not seen, and count as that.
+        let steps = frames.windows(2).map(|pair| apart(&pair[0], &pair[1]));
+        let steps = steps.map(|s| s.max(0.25 / 255.0)).collect::<Vec<_>>();
+        let slope = steps
+            .windows(2)
+            .map(|pair| (pair[0] / pair[1]).max(pair[1] / pair[0]))
+            .fold(1.0, f64::max);
         println!(
-            "eye {eye} light {light}: step {:.2}/255, near to far {:.2}/255 of {:.0}/255",
+            "eye {eye} light {light}: step {:.2}/255, slopes at most {slope:.2} apart, near to far {:.2}/255 of {:.0}/255",
             255.0 * step,
             255.0 * total,
             255.0 * frames[0][0]
         );
         assert!(step <= 1.0 / 255.0, "{eye} {light}: {step}");
+        assert!(slope <= 3.0, "{eye} {light}: {slope}");
     }
+}
+
+/// From the far tier to none: feathers close over the down, and open again; it is left out and drawn again where nobody sees it.
+#[test]
+fn closing_feathers_hide_the_down_without_a_step() {
+    let error = 1.0 / 255.0;
+    let covers = (0..=800).map(|i| f64::from(i) * 0.01);
+    let both = covers.clone().chain(covers.rev());
+    let (mut drawn, mut changes) = (true, Vec::new());
+    for cover in both {
+        let now = draws_down(cover as f32, 0.0, error, drawn);
+        if now != drawn {
+            // What the picture changes by at once: all that shows of the down, times its contrast to the skin.
+            changes.push((now, cover, cover_transmittance(cover) * CONTRAST));
+        }
+        drawn = now;
+    }
+    println!("{changes:?}");
+    let [(false, closed, at_closing), (true, open, at_opening)] = changes[..] else {
+        panic!("{changes:?}");
+    };
+    assert!(closed - open > 0.25, "no hysteresis: {closed} {open}");
+    assert!(at_closing <= 1.0 / 255.0 && at_opening <= 1.01 / 255.0);
 }
 
 #[test]

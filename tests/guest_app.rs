@@ -50,6 +50,7 @@ fn groom(count: u32, color: [f32; 3], feather: &str) -> Groom {
             segments: (3, 2),
             tint: Tint(color, color),
             jitter: Jitter::default(),
+            down: None,
         }],
         guides: Vec::new(),
         rows: Vec::new(),

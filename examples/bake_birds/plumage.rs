@@ -48,6 +48,7 @@ pub fn groom(species: &Species, model: &Model) -> Groom {
             segments: t.segments,
             tint: Tint(srgb(t.tint.0), srgb(t.tint.1)),
             jitter: Jitter::default(),
+            down: is_downy(t.name).then(|| down(species).into()),
         })
         .collect();
     Groom {
@@ -288,5 +289,31 @@ pub fn report(species: &Species, model: &Model, groom: &Groom) {
             "  folded {name}: tips (x, above tail, beyond tail root) {}",
             tips.join(" ")
         );
+    }
+}
+
+/// Whether down grows below the feathers of a tract: not on the face, the wings and the feet.
+fn is_downy(name: &str) -> bool {
+    const BARE: [&str; 10] = [
+        "face_lines",
+        "lore",
+        "face",
+        "scapulars",
+        "lesser_upper",
+        "elbow",
+        "marginal_upper",
+        "lesser_under",
+        "marginal_under",
+        "tarsal",
+    ];
+    !BARE.contains(&name)
+}
+
+/// Down of all tracts.
+fn down(species: &Species) -> &'static str {
+    if species.is_parrot() {
+        "../downs/parrot.down.ron"
+    } else {
+        "../downs/eagle.down.ron"
     }
 }

@@ -78,6 +78,17 @@ pub fn run(mut app: App, name: &str, args: &Args) {
     }
     let stats = stats::collect(&mut app, &mut times);
     println!("{name}: {stats:#}");
+    if args.bench {
+        println!(
+            "{name}: {}x{}, 4x MSAA: {:.1} ms a frame (median of {}) on {}, {:.2} MB",
+            args.size.0,
+            args.size.1,
+            stats["frame_ms"].as_f64().unwrap_or_default(),
+            args.frames.max(1),
+            stats["adapter"].as_str().unwrap_or_default(),
+            stats["undercoat"]["bytes"].as_f64().unwrap_or_default() / 1e6,
+        );
+    }
     if let Some(path) = &args.stats
         && let Err(error) = std::fs::write(path, format!("{stats:#}\n"))
     {
@@ -134,6 +145,12 @@ fn load(app: &mut App, name: &str) {
             ready += u32::from(state.is_ready());
             failed += u32::from(state.error.is_some());
         }
+        let mut coats = app.world_mut().query::<&UndercoatState>();
+        for coat in coats.iter(app.world()) {
+            all += 1;
+            ready += u32::from(coat.ready && coat.error.is_none());
+            failed += u32::from(coat.error.is_some());
+        }
         let failures = app
             .world()
             .resource::<Messages<UntypedAssetLoadFailedEvent>>()
@@ -143,7 +160,7 @@ fn load(app: &mut App, name: &str) {
             last_failure = Some(Instant::now());
         }
         let given_up = last_failure.is_some_and(|at| at.elapsed() > FAILURE_GRACE);
-        let text = format!("{name}: {ready} of {all} birds feathered");
+        let text = format!("{name}: {ready} of {all} coats grown");
         if text != shown {
             println!("{text}");
             shown = text;

@@ -130,6 +130,20 @@ impl From<Transparency> for FeatherTransparency {
     }
 }
 
+/// How fur is drawn, as the figures of the hybrid fur paper compare it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum FurMode {
+    /// Single hairs only.
+    Explicit,
+    /// The marched volume only.
+    Volume,
+    /// Both.
+    #[default]
+    Hybrid,
+    /// Shells with precomputed transfer.
+    Shells,
+}
+
 /// The command line of every example.
 #[derive(Parser, Resource, Clone, Debug)]
 pub struct Args {
@@ -205,6 +219,21 @@ pub struct Args {
     /// Camera distance relative to the shot's own.
     #[arg(long, default_value_t = 1.0)]
     pub distance: f32,
+    /// How `fur` is drawn.
+    #[arg(long, value_enum, default_value_t)]
+    pub mode: FurMode,
+    /// What is drawn instead of shaded fur: `prism`, `cells`, `height`, `tier`, `opacity`, `sky`, `bent`, `normal` or `tile`.
+    #[arg(long)]
+    pub fur_view: Option<String>,
+    /// Coat of `fur` and `chick`, a file in `assets/downs`; the example's choice when absent.
+    #[arg(long)]
+    pub down: Option<String>,
+    /// Turns the sun around the subject, degrees.
+    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
+    pub sun: f32,
+    /// Print a line with adapter, milliseconds a frame and bytes of fur (headless; say how many `--frames`).
+    #[arg(long)]
+    pub bench: bool,
     /// Turns the camera around its subject, degrees.
     #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
     pub turn: f32,

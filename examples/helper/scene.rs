@@ -70,6 +70,7 @@ fn spawn_light(mut commands: Commands, args: Res<Args>) {
     } else {
         (Vec3::new(0.7, 1.9, 1.9), 23_000.0)
     };
+    let sun = Quat::from_rotation_y(args.sun.to_radians()) * sun;
     commands.spawn((
         DirectionalLight {
             illuminance,

@@ -18,6 +18,15 @@ pub fn collect(app: &mut App, times: &mut [Duration]) -> Value {
         groom_ms += f64::from(state.groom_ms);
         errors.extend(state.error.clone());
     }
+    let mut coats = app.world_mut().query::<&UndercoatState>();
+    let (mut coat_bytes, mut prisms, mut strands, mut drawn) = (0, 0, 0, 0);
+    for coat in coats.iter(app.world()) {
+        coat_bytes += coat.bytes;
+        prisms += coat.prisms;
+        strands += coat.strands;
+        drawn += coat.drawn;
+        errors.extend(coat.error.clone());
+    }
     let store = app.world().resource::<DiagnosticsStore>();
     let value = |path: String| {
         store
@@ -48,6 +57,12 @@ pub fn collect(app: &mut App, times: &mut [Duration]) -> Value {
         "feathers": feathers,
         "cards": cards,
         "gpu_bytes": app.world().resource::<PlumageMemory>().total(),
+        "undercoat": {
+            "bytes": coat_bytes,
+            "prisms": prisms,
+            "strands": strands,
+            "tracts_drawn": drawn,
+        },
         "groom_ms": groom_ms,
         "frame_ms": median.as_secs_f64() * 1e3,
         "passes": passes,

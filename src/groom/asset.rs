@@ -202,6 +202,10 @@ pub struct Region {
     /// Random variation.
     #[serde(default)]
     pub jitter: Jitter,
+    /// Down below the feathers: asset path of a [`Down`](crate::down::Down), relative to this file. It shows where they leave the skin
+    /// open.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub down: Option<String>,
 }
 
 /// A stroke along the lay, root to tip: at least two points near the skin.

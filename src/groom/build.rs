@@ -44,6 +44,47 @@ pub struct Coat {
     pub warnings: Vec<String>,
     /// Pairs of feathers that still cross, see [`layer::settle`].
     pub crossings: layer::Crossings,
+    /// Tracts with down below the feathers.
+    pub ground: Vec<Ground>,
+}
+
+/// The skin of a tract that carries down.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ground {
+    /// Index of the region.
+    pub region: usize,
+    /// Which triangles of the skin are its own.
+    pub triangles: Vec<bool>,
+    /// Direction of the lay at each node of the skin.
+    pub lay: Vec<Vec3>,
+    /// Cover K: feathers over one another at a place, mean over the tract, measured on the draped feathers.
+    pub cover: f32,
+}
+
+/// Area of a feather over that of its card.
+const VANE_SHARE: f32 = 0.7;
+
+/// Measures the cover of every tract: each feather's area goes to the triangles that it lies over, row by row.
+fn measure_cover(skin: &SkinMesh, leaves: &[Leaf], ground: &mut [Ground]) {
+    if ground.is_empty() {
+        return;
+    }
+    let mut covered = vec![0.0_f32; skin.triangles.len()];
+    for leaf in leaves {
+        let rows = leaf.shaft.points.len().max(1) as f32;
+        let share = VANE_SHARE * leaf.card.length * leaf.card.width / rows;
+        for below in &leaf.shaft.below {
+            covered[below.triangle as usize] += share;
+        }
+    }
+    for tract in ground {
+        let (mut sum, mut area) = (0.0, 0.0);
+        for (triangle, _) in tract.triangles.iter().enumerate().filter(|(_, own)| **own) {
+            sum += covered[triangle];
+            area += skin.areas[triangle];
+        }
+        tract.cover = if area > 0.0 { sum / area } else { 0.0 };
+    }
 }
 
 /// Feathers a bird. The same arguments give the same bytes. `density` scales the number of feathers, and the size of
@@ -67,7 +108,8 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
     };
     groom.check_size(&groom.name, density)?;
     let mut warnings = Vec::new();
-    let mut leaves = regions(bird, groom, seed, density, &mut warnings);
+    let mut ground = Vec::new();
+    let mut leaves = regions(bird, groom, seed, density, &mut warnings, &mut ground);
     let skinned = !bird.joints.is_empty() && !skin.weights.is_empty();
     let names = if skinned { &bird.joints[..] } else { &[] };
     let scattered = leaves.len();
@@ -87,6 +129,7 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
             fans.extend(row_fans);
         }
     }
+    measure_cover(skin, &leaves, &mut ground);
     order(&mut leaves);
     let crossings = layer::settle(&mut leaves[..scattered]);
     press(&mut leaves, scattered);
@@ -104,6 +147,7 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
         fans,
         warnings,
         crossings,
+        ground,
     })
 }
 
@@ -123,6 +167,7 @@ fn regions(
     seed: u64,
     density: f32,
     warnings: &mut Vec<String>,
+    ground: &mut Vec<Ground>,
 ) -> Vec<Leaf> {
     let skin = &bird.skin;
     let masks: Vec<Vec<bool>> = groom
@@ -168,6 +213,14 @@ fn regions(
             };
             (lay, arc)
         });
+        if region.down.is_some() {
+            ground.push(Ground {
+                region: number,
+                triangles: mask.clone(),
+                lay: lay.clone(),
+                cover: 0.0,
+            });
+        }
         let below = clearance(groom, &masks, number, size);
         let field = Field::new(skin, lay, arc, &triangles, mask).painted(&groom.paint, groom.unit);
         let count = (counts[number] as f64 * field.paint_scale(region)).round() as usize;

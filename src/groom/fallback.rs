@@ -88,6 +88,7 @@ impl Groom {
                 segments: (4, 2),
                 tint: Tint(part.color, part.color),
                 jitter: Jitter::default(),
+                down: None,
             }
         };
         Self {

@@ -34,7 +34,7 @@ mod validate;
 pub use asset::{
     Dab, Groom, Guide, Jitter, Placement, Region, Row, Select, Span, Station, Tint, painted,
 };
-pub use build::{Bird, Coat, groom_bird};
+pub use build::{Bird, Coat, Ground, groom_bird};
 pub use card::{Card, CardGeometry};
 pub use error::GroomError;
 pub use fan::{FanJoints, fan_rows, fan_transform};
@@ -42,7 +42,8 @@ pub use layer::Crossings;
 pub use leaf::Leaf;
 pub use loader::{GroomLoader, GroomSaver};
 pub use plumage::{
-    GroomPlugin, GroomSystems, Plumage, PlumageCards, PlumageOutput, PlumageRepeat, PlumageState,
+    GroomPlugin, GroomSystems, Plumage, PlumageCards, PlumageGround, PlumageOutput, PlumageRepeat,
+    PlumageState,
 };
 pub use rows::FanJoint;
 pub use skin::SkinMesh;

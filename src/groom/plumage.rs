@@ -2,7 +2,7 @@
 
 use super::{
     asset::Groom,
-    build::{Bird, Coat, groom_bird},
+    build::{Bird, Coat, Ground, groom_bird},
     card::{Card, CardGeometry},
     error::GroomError,
     fan::{FanJoints, fan_rows},
@@ -129,6 +129,15 @@ pub struct PlumageOutput(
     pub Entity,
 );
 
+/// On the card mesh of a bird whose groom has down: what the down grows on.
+#[derive(Component, Clone, Debug)]
+pub struct PlumageGround {
+    /// The skin, its joints those of the card mesh.
+    pub skin: Arc<SkinMesh>,
+    /// Tracts with down.
+    pub tracts: Arc<[Ground]>,
+}
+
 /// On a mesh that draws a bird's cards once more, below the card mesh: no skin to groom.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct PlumageRepeat;
@@ -138,7 +147,7 @@ pub struct PlumageRepeat;
 struct GroomJob {
     feathers: Option<Vec<Handle<Feather>>>,
     target: Option<Target>,
-    task: Option<Task<(Result<Coat, GroomError>, f32)>>,
+    task: Option<Task<(Result<(Coat, SkinMesh), GroomError>, f32)>>,
 }
 
 /// The skin chosen, and its skeleton.
@@ -386,7 +395,8 @@ fn start(
                     joints: input.joints,
                 };
                 let groom = groom.unwrap_or_else(|| Groom::fallback(&bird.skin, &bird.joints));
-                groom_bird(&bird, &groom, seed, density)
+                let coat = groom_bird(&bird, &groom, seed, density)?;
+                Ok((coat, bird.skin))
             });
             (coat, begun.elapsed().as_secs_f32() * 1.0e3)
         }));
@@ -438,8 +448,8 @@ fn finish(
             commands.entity(old.0).try_despawn();
             commands.entity(owner).remove::<PlumageOutput>();
         }
-        let coat = match coat {
-            Ok(coat) => coat,
+        let (coat, skin) = match coat {
+            Ok(grown) => grown,
             Err(cause) => {
                 fail(&mut state, &mut commands, owner, cause.to_string());
                 continue;
@@ -472,6 +482,7 @@ fn finish(
             plumage,
             target,
             coat,
+            skin,
             feathers,
         );
         commands
@@ -489,6 +500,7 @@ fn spawn_cards(
     plumage: &Plumage,
     target: Target,
     coat: Coat,
+    skin: SkinMesh,
     feathers: Vec<Handle<Feather>>,
 ) -> Entity {
     let skinned = coat.mesh.contains_attribute(Mesh::ATTRIBUTE_JOINT_INDEX);
@@ -509,6 +521,12 @@ fn spawn_cards(
         Name::new("Plumage"),
     );
     let output = commands.spawn((common, ChildOf(target.mesh))).id();
+    if !coat.ground.is_empty() {
+        commands.entity(output).insert(PlumageGround {
+            skin: Arc::new(skin),
+            tracts: coat.ground.into(),
+        });
+    }
     if empty {
         // A mesh without vertices has no place on the GPU.
         return output;

@@ -11,6 +11,12 @@ pub const FEATHER: &str = "embedded://bevy_plumage/shaders/feather.wgsl";
 pub const FEATHER_PREPASS: &str = "embedded://bevy_plumage/shaders/feather_prepass.wgsl";
 /// Classification of cards.
 pub const FEATHER_LOD: &str = "embedded://bevy_plumage/shaders/feather_lod.wgsl";
+/// The undercoat, as a volume or as shells.
+pub const UNDERCOAT: &str = "embedded://bevy_plumage/shaders/undercoat.wgsl";
+/// Skinning and extrusion of the undercoat's shell.
+pub const UNDERCOAT_EXTRUDE: &str = "embedded://bevy_plumage/shaders/undercoat_extrude.wgsl";
+/// Single strands.
+pub const UNDERCOAT_STRANDS: &str = "embedded://bevy_plumage/shaders/undercoat_strands.wgsl";
 
 pub(crate) struct ShadersPlugin;
 
@@ -53,6 +59,11 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "down_prism.wgsl");
         load_shader_library!(app, "down_tier.wgsl");
         load_shader_library!(app, "down_walk.wgsl");
+        load_shader_library!(app, "undercoat_data.wgsl");
+        load_shader_library!(app, "undercoat_lighting.wgsl");
+        embedded_asset!(app, "undercoat.wgsl");
+        embedded_asset!(app, "undercoat_extrude.wgsl");
+        embedded_asset!(app, "undercoat_strands.wgsl");
         embedded_asset!(app, "feather_vertex.wgsl");
         embedded_asset!(app, "feather.wgsl");
         embedded_asset!(app, "feather_prepass.wgsl");

@@ -38,6 +38,7 @@ pub fn patch_groom(count: u32) -> Groom {
             segments: (4, 2),
             tint: Tint([0.8, 0.2, 0.1], [0.8, 0.2, 0.1]),
             jitter: Jitter::default(),
+            down: None,
         }],
         guides: Vec::new(),
         rows: Vec::new(),

@@ -140,9 +140,22 @@ struct Block {
     faces: Vec<([V; 3], u32)>,
 }
 
-/// All tetrahedra of a shell, to be cut one by one.
+/// Neighbours in the order of the mesh, inside one sphere.
+struct Group {
+    centre: V,
+    radius: f64,
+    blocks: std::ops::Range<usize>,
+}
+
+/// All tetrahedra of a shell, to be cut one by one; what a ray passes by is left out unseen.
 pub struct Brute {
     blocks: Vec<Block>,
+    groups: Vec<Group>,
+}
+
+fn meets(centre: V, radius: f64, origin: V, direction: V) -> bool {
+    let off = times(minus(centre, origin), direction);
+    inner(off, off) <= radius * radius
 }
 
 impl Brute {
@@ -189,14 +202,33 @@ impl Brute {
                 .push((corners, face.start));
         }
         blocks.retain(|b| !b.tets.is_empty());
-        Self { blocks }
+        let groups = (0..blocks.len())
+            .step_by(16)
+            .map(|first| {
+                let range = first..(first + 16).min(blocks.len());
+                let some = &blocks[range.clone()];
+                let mean = |k: usize| some.iter().map(|b| b.centre[k]).sum::<f64>();
+                let centre = [0, 1, 2].map(|k| mean(k) / some.len() as f64);
+                let reach = |b: &Block| {
+                    let off = minus(b.centre, centre);
+                    inner(off, off).sqrt() + b.radius
+                };
+                Group {
+                    centre,
+                    radius: some.iter().map(reach).fold(0.0, f64::max) * 1.000_001,
+                    blocks: range,
+                }
+            })
+            .collect();
+        Self { blocks, groups }
     }
 
     fn near(&self, origin: V, direction: V) -> impl Iterator<Item = &Block> {
-        self.blocks.iter().filter(move |block| {
-            let off = times(minus(block.centre, origin), direction);
-            inner(off, off) <= block.radius * block.radius
-        })
+        self.groups
+            .iter()
+            .filter(move |group| meets(group.centre, group.radius, origin, direction))
+            .flat_map(|group| &self.blocks[group.blocks.clone()])
+            .filter(move |block| meets(block.centre, block.radius, origin, direction))
     }
 
     /// The intervals of a ray (unit direction, t > 0) inside the shell, ordered and joined where they touch within `gap`.

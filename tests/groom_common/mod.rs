@@ -110,6 +110,7 @@ pub fn region(name: &str, select: Select, count: u32, layer: f32) -> Region {
         segments: (4, 2),
         tint: Tint([0.7, 0.1, 0.1], [0.2, 0.3, 0.8]),
         jitter: Jitter::default(),
+        down: None,
     }
 }
 

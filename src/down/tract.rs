@@ -1,0 +1,243 @@
+//! Down below the feathers of a bird: tract by tract, drawn only where the feathers leave enough of it open (undercoat study C).
+
+use super::{
+    Down, Undercoat, UndercoatSettings, UndercoatState,
+    bake::Bakes,
+    pack::{PackedShell, ShellShape},
+    tier::{CONTRAST, cover_now, is_drawn},
+    wear::{Grown, Stores, Wear},
+};
+use crate::{
+    groom::{Groom, PlumageCards, PlumageGround},
+    render::{RUFFLE_LIFT, Ruffle},
+};
+use bevy::{
+    asset::AssetServer,
+    platform::collections::HashMap,
+    prelude::*,
+    tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on, poll_once},
+};
+
+/// Feathers raised further than this from where they rest show what is below, radians.
+const OPEN_LIFT: f32 = 6.0 * std::f32::consts::PI / 180.0;
+
+/// Whether the down of a tract is drawn. `cover` is K, `lift` the angle by which feathers are raised from their rest in radians,
+/// `error` the largest error of a picture that leaving it out may make, `drawn` what was decided last.
+pub fn draws_down(cover: f32, lift: f32, error: f32, drawn: bool) -> bool {
+    // What is drawn stays a little longer, so that nothing flickers at the limit.
+    let limit = OPEN_LIFT * if drawn { 0.7 } else { 1.0 };
+    let cover = cover_now(cover, lift, 1.0, 0.0);
+    lift > limit || error <= 0.0 || is_drawn(cover, 0.0, CONTRAST as f32, error, drawn)
+}
+
+enum Stage {
+    /// Never needed yet: it holds no memory.
+    Idle,
+    Busy(Task<Result<Grown, String>>),
+    Grown(Entity),
+    Failed,
+}
+
+/// The down of one tract.
+struct Tract {
+    down: Handle<Down>,
+    drawn: bool,
+    stage: Stage,
+}
+
+/// The down of a bird, on its card mesh; one entry for each of [`PlumageGround::tracts`].
+#[derive(Component)]
+pub(super) struct BirdDown(Vec<Tract>);
+
+/// Gives every groomed bird its tracts.
+pub(super) fn find_tracts(
+    mut commands: Commands,
+    server: Res<AssetServer>,
+    grooms: Res<Assets<Groom>>,
+    birds: Query<(Entity, &PlumageGround, &PlumageCards), Without<BirdDown>>,
+) {
+    for (entity, ground, cards) in &birds {
+        let Some(groom) = grooms.get(&cards.groom) else {
+            continue;
+        };
+        let base = server.get_path(cards.groom.id());
+        let mut known: HashMap<&str, Handle<Down>> = HashMap::default();
+        let load = |path: &str| match &base {
+            Some(base) => base
+                .resolve_embed_str(path)
+                .map_or_else(|_| server.load(path.to_owned()), |full| server.load(full)),
+            None => server.load(path.to_owned()),
+        };
+        let tract = |tract: &crate::groom::Ground| {
+            let path = groom.regions.get(tract.region)?.down.as_deref()?;
+            let down = known.entry(path).or_insert_with(|| load(path)).clone();
+            Some(Tract {
+                down,
+                drawn: false,
+                stage: Stage::Idle,
+            })
+        };
+        let tracts: Option<Vec<Tract>> = ground.tracts.iter().map(tract).collect();
+        if let Some(tracts) = tracts {
+            commands.entity(entity).insert(BirdDown(tracts));
+            commands.entity(cards.owner).try_insert(UndercoatState {
+                ready: true,
+                ..default()
+            });
+        }
+    }
+}
+
+/// Angle by which the ruffle raises the feathers of a region.
+fn ruffled(ruffle: Option<&Ruffle>, groom: Option<&Groom>, region: usize) -> f32 {
+    let Some((ruffle, region)) = ruffle.zip(groom.and_then(|groom| groom.regions.get(region)))
+    else {
+        return 0.0;
+    };
+    let named = ruffle.regions.iter().find(|(name, _)| *name == region.name);
+    let amount = named.map_or(ruffle.amount, |(_, amount)| *amount);
+    if amount.is_finite() {
+        RUFFLE_LIFT * amount.clamp(0.0, 1.0) * (1.0 - region.stiffness.clamp(0.0, 1.0))
+    } else {
+        0.0
+    }
+}
+
+/// Decides for every tract, grows what is wanted for the first time, shows and hides the rest.
+pub(super) fn tend_tracts(
+    mut commands: Commands,
+    settings: Res<UndercoatSettings>,
+    grooms: Res<Assets<Groom>>,
+    downs: Res<Assets<Down>>,
+    mut bakes: ResMut<Bakes>,
+    mut assets: Stores,
+    ruffles: Query<&Ruffle>,
+    mut birds: Query<(Entity, &mut BirdDown, &PlumageGround, &PlumageCards)>,
+    mut states: Query<&mut UndercoatState>,
+    mut shown: Query<&mut Visibility>,
+) {
+    for (bird, mut tracts, ground, cards) in &mut birds {
+        let groom = grooms.get(&cards.groom);
+        let ruffle = ruffles.get(cards.owner).ok();
+        let Ok(mut state) = states.get_mut(cards.owner) else {
+            continue;
+        };
+        let mut drawn = 0;
+        let mut busy = false;
+        for (tract, ground_of) in tracts.0.iter_mut().zip(ground.tracts.iter()) {
+            let lift = ruffled(ruffle, groom, ground_of.region);
+            tract.drawn = draws_down(ground_of.cover, lift, settings.skip_error, tract.drawn);
+            match &mut tract.stage {
+                Stage::Failed => {}
+                Stage::Idle if !tract.drawn => {}
+                Stage::Grown(entity) => {
+                    let wanted = if tract.drawn {
+                        Visibility::Inherited
+                    } else {
+                        Visibility::Hidden
+                    };
+                    if let Ok(mut visibility) = shown.get_mut(*entity) {
+                        visibility.set_if_neq(wanted);
+                    }
+                    drawn += u32::from(tract.drawn);
+                }
+                Stage::Idle => {
+                    busy = true;
+                    let Some(down) = downs.get(&tract.down) else {
+                        continue;
+                    };
+                    match bakes.get(tract.down.id(), down, &mut assets.images) {
+                        None => {}
+                        Some(Err(message)) => {
+                            error!("undercoat of {}: {message}", cards.owner);
+                            state.error = Some(message);
+                            tract.stage = Stage::Failed;
+                        }
+                        Some(Ok(_)) => {
+                            let down = down.clone();
+                            let skin = ground.skin.clone();
+                            let all = ground.tracts.clone();
+                            let region = ground_of.region;
+                            let pool = AsyncComputeTaskPool::get_or_init(TaskPool::new);
+                            tract.stage = Stage::Busy(pool.spawn(async move {
+                                let own = all.iter().find(|tract| tract.region == region);
+                                let own = own.ok_or_else(String::new)?;
+                                let shape = ShellShape {
+                                    height: 1.0e-3 * down.thickness_mm,
+                                    world_scale: 1.0,
+                                    tile: down.tile_metres(),
+                                    lay: Vec3::from(down.lay),
+                                    offset: Vec2::ZERO,
+                                };
+                                let chosen = |t: usize| own.triangles.get(t) == Some(&true);
+                                let shell =
+                                    PackedShell::build(&skin, chosen, Some(&own.lay), &shape)
+                                        .map_err(|error| error.to_string())?;
+                                Ok(Grown::volume(shell))
+                            }));
+                        }
+                    }
+                }
+                Stage::Busy(task) => {
+                    busy = true;
+                    let Some(result) = block_on(poll_once(task)) else {
+                        continue;
+                    };
+                    tract.stage = Stage::Failed;
+                    let Some(down) = downs.get(&tract.down) else {
+                        continue;
+                    };
+                    let Some(Ok(baked)) = bakes.get(tract.down.id(), down, &mut assets.images)
+                    else {
+                        tract.stage = Stage::Idle;
+                        continue;
+                    };
+                    match result {
+                        Ok(grown) => {
+                            let wear = Wear {
+                                owner: cards.owner,
+                                skin: bird,
+                                down,
+                                baked: &baked,
+                                coat: &Undercoat::default(),
+                                strands: None,
+                                settings: &settings,
+                                over_skin: true,
+                            };
+                            let coat = wear.spawn(&mut commands, &mut assets, grown, &mut state);
+                            if let Some(coat) = coat {
+                                tract.stage = Stage::Grown(coat);
+                            }
+                        }
+                        Err(message) => {
+                            error!("undercoat of {}: {message}", cards.owner);
+                            state.error = Some(message);
+                        }
+                    }
+                }
+            }
+        }
+        let ready = !busy;
+        if state.drawn != drawn || state.ready != ready {
+            (state.drawn, state.ready) = (drawn, ready);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn four_feathers_hide_the_down() {
+        let error = 1.0 / 255.0;
+        assert!(draws_down(0.0, 0.0, error, false));
+        assert!(draws_down(3.6, 0.0, error, false));
+        assert!(!draws_down(4.1, 0.0, error, false));
+        assert!(draws_down(4.2, 0.0, error, true));
+        assert!(!draws_down(4.5, 0.0, error, true));
+        // Raised feathers show it whatever their number.
+        assert!(draws_down(9.0, RUFFLE_LIFT * 0.8, error, false));
+        assert!(draws_down(9.0, 0.0, 0.0, false));
+    }
+}

@@ -1,0 +1,303 @@
+//! Entities, buffers and materials of a grown coat.
+
+use super::{
+    Down, GuardStrands, Undercoat, UndercoatQuality, UndercoatSettings, UndercoatState,
+    bake::Baked,
+    hairs::HairParts,
+    material::{StrandMaterial, UndercoatMaterial, UndercoatUniform},
+    pack::PackedShell,
+};
+use crate::groom::PlumageRepeat;
+use bevy::{
+    asset::RenderAssetUsages,
+    camera::visibility::NoFrustumCulling,
+    ecs::system::SystemParam,
+    light::NotShadowCaster,
+    prelude::*,
+    render::{render_resource::BufferUsages, storage::ShaderBuffer},
+};
+
+/// The shell over one mesh.
+#[derive(Component, Clone, Debug)]
+pub struct UndercoatShell {
+    /// Mesh entity that it lies over.
+    pub skin: Entity,
+    /// Entity with the [`Undercoat`].
+    pub owner: Entity,
+    /// Entity that draws the volume or the shells.
+    pub coat: Option<Entity>,
+    /// Entity that draws the strands.
+    pub strands: Option<Entity>,
+    /// Nodes and prisms on the GPU.
+    pub buffer: Handle<ShaderBuffer>,
+    /// Nodes at rest on the GPU.
+    pub rest: Handle<ShaderBuffer>,
+    /// Number of nodes.
+    pub nodes: u32,
+    /// Number of prisms.
+    pub prisms: u32,
+}
+
+/// What a worker has grown over one mesh.
+pub(super) struct Grown {
+    pub shell: PackedShell,
+    pub coat: Option<Mesh>,
+    pub strands: Option<HairParts>,
+}
+
+impl Grown {
+    /// A shell drawn as a volume.
+    pub(super) fn volume(shell: PackedShell) -> Self {
+        Self {
+            coat: Some(shell.outside()),
+            shell,
+            strands: None,
+        }
+    }
+}
+
+/// A shell that another takes over from: frames that it still stays, until the other's buffers are on the GPU.
+#[derive(Component)]
+pub(super) struct Outgoing(u8);
+
+impl Outgoing {
+    /// Long enough for materials that wait for their textures.
+    pub(super) const START: Self = Self(3);
+}
+
+/// Drops the shells whose time is over.
+pub(super) fn let_go(mut commands: Commands, mut old: Query<(Entity, &mut Outgoing)>) {
+    for (entity, mut left) in &mut old {
+        if left.0 == 0 {
+            commands.entity(entity).try_despawn();
+        }
+        left.0 = left.0.saturating_sub(1);
+    }
+}
+
+/// Where meshes, buffers and materials go.
+#[derive(SystemParam)]
+pub(super) struct Stores<'w> {
+    meshes: ResMut<'w, Assets<Mesh>>,
+    buffers: ResMut<'w, Assets<ShaderBuffer>>,
+    pub(super) images: ResMut<'w, Assets<Image>>,
+    coats: ResMut<'w, Assets<UndercoatMaterial>>,
+    strands: ResMut<'w, Assets<StrandMaterial>>,
+}
+
+/// What a shell is spawned with.
+pub(super) struct Wear<'a> {
+    pub owner: Entity,
+    pub skin: Entity,
+    pub down: &'a Down,
+    pub baked: &'a Baked,
+    pub coat: &'a Undercoat,
+    pub strands: Option<&'a GuardStrands>,
+    pub settings: &'a UndercoatSettings,
+    /// The depth written is that of the skin: whatever lies over the skin covers the coat.
+    pub over_skin: bool,
+}
+
+fn storage(data: Vec<u8>, label: &'static str) -> ShaderBuffer {
+    let mut buffer = ShaderBuffer::new(&data, RenderAssetUsages::RENDER_WORLD);
+    buffer.buffer_description.label = Some(label);
+    buffer.buffer_description.usage =
+        BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
+    buffer
+}
+
+impl Wear<'_> {
+    /// Spawns one shell below its skin; the entity that draws the volume, if any does.
+    pub(super) fn spawn(
+        &self,
+        commands: &mut Commands,
+        assets: &mut Stores,
+        grown: Grown,
+        state: &mut UndercoatState,
+    ) -> Option<Entity> {
+        let shell = &grown.shell.shell;
+        let (nodes, prisms) = (shell.vertices.len() as u32, shell.prisms.len() as u32);
+        state.prisms += prisms;
+        state.walls += (shell.faces.len() - shell.tops) as u32 / 2;
+        state.limited += shell.report.lowered as u32;
+        state.bytes += (grown.shell.bytes.len() + grown.shell.rest.len()) as u64;
+        let buffer = assets
+            .buffers
+            .add(storage(grown.shell.bytes, "undercoat_shell"));
+        let rest = assets
+            .buffers
+            .add(storage(grown.shell.rest, "undercoat_rest"));
+        let anchor = commands
+            .spawn((
+                Transform::IDENTITY,
+                Visibility::default(),
+                Name::new("Undercoat"),
+                ChildOf(self.skin),
+            ))
+            .id();
+        let part = |commands: &mut Commands, name: &'static str| {
+            commands
+                .spawn((
+                    // No skin to feather, and none to cover once more.
+                    PlumageRepeat,
+                    NoFrustumCulling,
+                    NotShadowCaster,
+                    Transform::IDENTITY,
+                    Visibility::default(),
+                    Name::new(name),
+                    ChildOf(anchor),
+                ))
+                .id()
+        };
+        let uniform = uniform_of(
+            self.down,
+            self.baked,
+            self.coat,
+            self.settings,
+            (nodes, prisms),
+            self.over_skin,
+        );
+        let coat = grown.coat.map(|mesh| {
+            state.bytes += mesh.count_vertices() as u64 * mesh.get_vertex_size();
+            let material = UndercoatMaterial {
+                mode: self.coat.mode,
+                uniform,
+                shell: buffer.clone(),
+                density: self.baked.density.clone(),
+                transfer: self.baked.transfer.clone(),
+            };
+            let entity = part(commands, "Undercoat volume");
+            commands.entity(entity).insert((
+                Mesh3d(assets.meshes.add(mesh)),
+                MeshMaterial3d(assets.coats.add(material)),
+            ));
+            entity
+        });
+        let strands = grown
+            .strands
+            .zip(self.strands)
+            .and_then(|(parts, strands)| {
+                if parts.count == 0 {
+                    return None;
+                }
+                state.strands += parts.count;
+                state.bytes += parts.bytes();
+                let material = StrandMaterial {
+                    uniform: parts.uniform(
+                        strands,
+                        &uniform,
+                        self.coat.scale.clamp(0.0, 10.0),
+                        coat.is_some(),
+                    ),
+                    shell: buffer.clone(),
+                    roots: assets.buffers.add(storage(parts.roots, "undercoat_roots")),
+                };
+                let entity = part(commands, "Undercoat strands");
+                commands.entity(entity).insert((
+                    Mesh3d(assets.meshes.add(parts.mesh)),
+                    MeshMaterial3d(assets.strands.add(material)),
+                ));
+                Some(entity)
+            });
+        commands.entity(anchor).insert(UndercoatShell {
+            skin: self.skin,
+            owner: self.owner,
+            coat,
+            strands,
+            buffer,
+            rest,
+            nodes,
+            prisms,
+        });
+        coat
+    }
+}
+
+fn linear(colour: [f32; 3]) -> Vec3 {
+    let linear = Color::srgb_from_array(colour).to_linear();
+    Vec3::new(linear.red, linear.green, linear.blue)
+}
+
+/// The uniform of a coat.
+pub(super) fn uniform_of(
+    down: &Down,
+    baked: &Baked,
+    coat: &Undercoat,
+    settings: &UndercoatSettings,
+    counts: (u32, u32),
+    over_skin: bool,
+) -> UndercoatUniform {
+    let table = &baked.table;
+    UndercoatUniform {
+        counts: UVec4::new(
+            counts.0.max(1),
+            counts.1.max(1),
+            settings.view as u32,
+            coat.tier as u32,
+        ),
+        steps: UVec4::new(
+            settings.eye_steps.clamp(4, 64),
+            settings.light_steps.min(16),
+            settings.shells.clamp(4, 64),
+            u32::from(settings.jitter),
+        ),
+        colour: linear(down.colour).extend(table.largest),
+        tip_colour: linear(down.tip_colour).extend(table.mean),
+        skin: linear(down.skin).extend(settings.depth_clip.clamp(1.0, 20.0)),
+        fibre: Vec4::new(
+            down.tangent_spread.0,
+            down.tangent_spread.1,
+            down.specular.0,
+            down.specular.1,
+        ),
+        shape: Vec4::new(
+            down.bend,
+            settings.tier_px[0],
+            settings.tier_px[1],
+            if over_skin { 0.0 } else { 1.0 },
+        ),
+        bands: table.bands,
+        column: table.column,
+        correction: table.correction,
+    }
+}
+
+/// Takes changes of the settings over into the materials.
+pub(super) fn apply_settings(
+    settings: Res<UndercoatSettings>,
+    own: Query<Ref<UndercoatQuality>>,
+    coats: Query<&Undercoat>,
+    shells: Query<&UndercoatShell>,
+    worn: Query<&MeshMaterial3d<UndercoatMaterial>>,
+    mut materials: ResMut<Assets<UndercoatMaterial>>,
+) {
+    for shell in &shells {
+        let quality = own.get(shell.owner).ok();
+        if !settings.is_changed() && quality.as_ref().is_none_or(|quality| !quality.is_changed()) {
+            continue;
+        }
+        let Some(coat) = shell.coat else {
+            continue;
+        };
+        let tier = coats
+            .get(shell.owner)
+            .map(|coat| coat.tier)
+            .unwrap_or_default();
+        let quality = quality.map_or(*settings, |quality| quality.0);
+        let Some(mut material) = worn
+            .get(coat)
+            .ok()
+            .and_then(|handle| materials.get_mut(handle.id()))
+        else {
+            continue;
+        };
+        let uniform = &mut material.uniform;
+        uniform.counts.z = quality.view as u32;
+        uniform.counts.w = tier as u32;
+        uniform.steps.x = quality.eye_steps.clamp(4, 64);
+        uniform.steps.y = quality.light_steps.min(16);
+        uniform.steps.w = u32::from(quality.jitter);
+        uniform.skin.w = quality.depth_clip.clamp(1.0, 20.0);
+        (uniform.shape.y, uniform.shape.z) = (quality.tier_px[0], quality.tier_px[1]);
+    }
+}
