@@ -49,7 +49,7 @@ charts: setup
 	$(CARGO) run --example transparency_chart
 	$(CARGO) run --config 'profile.dev.opt-level=3' --example query_charts
 	$(CARGO) run --example parrot -- --headless --size 240x135 --time 0 --camera closeup --compare docs/charts/parrot_closeup.json
-	$(CARGO) run --example parrot -- --headless --size 480x270 --time 0 --camera hero --compare docs/charts/parrot_hero.json
+	$(CARGO) run --example parrot -- --headless --size 1280x720 --time 0 --camera hero --transparency hashed --compare docs/charts/parrot_hero.json
 	$(CARGO) run --config 'profile.dev.opt-level=3' --features extract --example extract_charts
 	$(CARGO) run --config 'profile.dev.opt-level=3' --example down_charts
 	$(CARGO) run --config 'profile.dev.opt-level=3' --example fur_charts

@@ -391,8 +391,7 @@ fn right_panel(
             for (key, what) in [
                 ("F12", "hides the panels"),
                 ("hold C", "shows the saved state"),
-                ("Ctrl+Z", "undoes, with Shift redoes"),
-                ("Ctrl+S", "saves"),
+                ("Ctrl+Z", "undoes, with Shift redoes; +S saves"),
             ] {
                 ui.weak(format!("{key}: {what}"));
             }

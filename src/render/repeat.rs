@@ -10,7 +10,7 @@ use bevy::{
     camera::visibility::{NoFrustumCulling, RenderLayers, VisibilityRange, VisibilitySystems},
     core_pipeline::oit::OrderIndependentTransparencySettings,
     ecs::query::QueryData,
-    light::NotShadowCaster,
+    light::{NotShadowCaster, NotShadowReceiver},
     mesh::skinning::SkinnedMesh,
     prelude::*,
 };
@@ -106,6 +106,7 @@ struct Worn {
     skin: Option<&'static SkinnedMesh>,
     layers: Option<&'static RenderLayers>,
     range: Option<&'static VisibilityRange>,
+    unshadowed: Option<&'static NotShadowReceiver>,
     repeats: Option<&'static Repeats>,
 }
 
@@ -116,12 +117,13 @@ struct Repeat {
     material: &'static MeshMaterial3d<FeatherMaterial>,
     layers: Option<&'static RenderLayers>,
     range: Option<&'static VisibilityRange>,
+    unshadowed: Option<&'static NotShadowReceiver>,
 }
 
 /// Gives the repeat what its bird has, or takes it away.
-fn follow<T: Component + Clone>(commands: &mut Commands, repeat: Entity, what: Option<&T>) {
+fn follow<T: Component>(commands: &mut Commands, repeat: Entity, what: Option<T>) {
     match what {
-        Some(what) => commands.entity(repeat).insert(what.clone()),
+        Some(what) => commands.entity(repeat).insert(what),
         None => commands.entity(repeat).remove::<T>(),
     };
 }
@@ -178,10 +180,17 @@ fn keep_repeats(
                 commands.entity(*entity).insert(bird.mesh.clone());
             }
             if repeat.layers != bird.layers {
-                follow(&mut commands, *entity, bird.layers);
+                follow(&mut commands, *entity, bird.layers.cloned());
             }
             if repeat.range != bird.range {
-                follow(&mut commands, *entity, bird.range);
+                follow(&mut commands, *entity, bird.range.cloned());
+            }
+            if repeat.unshadowed.is_some() != bird.unshadowed.is_some() {
+                follow(
+                    &mut commands,
+                    *entity,
+                    bird.unshadowed.map(|_| NotShadowReceiver),
+                );
             }
             let stale = materials
                 .get(repeat.material.id())
@@ -217,6 +226,9 @@ fn spawn_repeat(
     }
     if let Some(range) = bird.range {
         repeat.insert(range.clone());
+    }
+    if bird.unshadowed.is_some() {
+        repeat.insert(NotShadowReceiver);
     }
     repeat.id()
 }
