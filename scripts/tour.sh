@@ -175,18 +175,15 @@ save_feather() { # WHAT: saves, and waits until the file is another one
     until_ "$1" not same "$feather" "$work/before"
 }
 
-# At another scale the panels are looked at, and a click and a drag must still meet what they aim at.
-if [ "$scale" != 1 ]; then
-    start
-    picture feather
-    wheel 200 600 12
-    picture optics
-    click $groom_tab
-    picture groom
+# Error budget, the LOD view, and the statistics; the running plot never rests.
+quality_and_statistics() {
+    local from last
     click $quality_tab
     from=$(says budget)
     drag 188 130 215 130
     changed budget "$from" "error budget dragged"
+    settle
+    picture error_budget
     click 207 151
     from=$(says view)
     click 182 218
@@ -200,6 +197,17 @@ if [ "$scale" != 1 ]; then
     picture statistics
     stop
     echo "tour: done, pictures in $out"
+}
+
+# At another scale the panels are looked at, and a click and a drag must still meet what they aim at.
+if [ "$scale" != 1 ]; then
+    start
+    picture feather
+    wheel 200 600 12
+    picture optics
+    click $groom_tab
+    picture groom
+    quality_and_statistics
     exit
 fi
 
@@ -333,24 +341,4 @@ click $feather_tab
 settle
 picture picked
 
-# Error budget and the LOD view.
-click $quality_tab
-from=$(says budget)
-drag 188 130 215 130
-changed budget "$from" "error budget dragged"
-settle
-picture error_budget
-click 207 151
-from=$(says view)
-click 182 218
-changed view "$from" "LOD view chosen"
-settle 10
-picture lod_view
-# The running plot never rests.
-point $statistics_tab
-xdotool click 1
-last=$(frame)
-until_ "frames" eval '[ "$(frame)" -gt "$((last + 6))" ]'
-picture statistics
-stop
-echo "tour: done, pictures in $out"
+quality_and_statistics

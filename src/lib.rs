@@ -38,6 +38,7 @@ pub mod query;
 pub mod render;
 pub mod scattering;
 
+mod modified;
 mod plugin;
 mod shaders;
 

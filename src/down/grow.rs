@@ -9,9 +9,10 @@ use super::{
     pack::{PackedShell, ShellShape},
     wear::{Grown, Outgoing, Stores, UndercoatShell, Wear},
 };
-use crate::groom::SkinMesh;
+use crate::{groom::SkinMesh, modified::modified};
 use bevy::{
     asset::LoadState,
+    ecs::query::QueryData,
     prelude::*,
     tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on, poll_once},
 };
@@ -34,13 +35,7 @@ pub(super) fn request(
     )>,
     mut lost: RemovedComponents<GuardStrands>,
 ) {
-    let modified: Vec<_> = events
-        .read()
-        .filter_map(|event| match event {
-            AssetEvent::Modified { id } => Some(*id),
-            _ => None,
-        })
-        .collect();
+    let modified = modified(&mut events);
     let lost: Vec<Entity> = lost.read().collect();
     for (entity, coat, strands, mut state) in &mut coats {
         if coat.is_changed()
@@ -78,6 +73,18 @@ pub(super) fn tend(
     }
 }
 
+/// A coat whose shells and strands are being grown.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(super) struct Growing {
+    owner: Entity,
+    coat: &'static Undercoat,
+    strands: Option<&'static GuardStrands>,
+    own: Option<&'static UndercoatQuality>,
+    state: &'static mut UndercoatState,
+    job: &'static mut GrowJob,
+}
+
 /// Starts the worker of every coat whose assets are there.
 pub(super) fn start(
     mut commands: Commands,
@@ -87,16 +94,17 @@ pub(super) fn start(
     mut bakes: ResMut<Bakes>,
     meshes: Meshes,
     settings: Res<UndercoatSettings>,
-    mut coats: Query<(
-        Entity,
-        &Undercoat,
-        Option<&GuardStrands>,
-        Option<&UndercoatQuality>,
-        &mut UndercoatState,
-        &mut GrowJob,
-    )>,
+    mut coats: Query<Growing>,
 ) {
-    for (owner, coat, strands, own, mut state, mut job) in &mut coats {
+    for growing in &mut coats {
+        let GrowingItem {
+            owner,
+            coat,
+            strands,
+            own,
+            mut state,
+            mut job,
+        } = growing;
         if job.task.is_some() {
             continue;
         }
@@ -186,16 +194,17 @@ pub(super) fn finish(
     settings: Res<UndercoatSettings>,
     entities: Query<Entity>,
     old: Query<(Entity, &UndercoatShell), Without<Outgoing>>,
-    mut coats: Query<(
-        Entity,
-        &Undercoat,
-        Option<&GuardStrands>,
-        Option<&UndercoatQuality>,
-        &mut UndercoatState,
-        &mut GrowJob,
-    )>,
+    mut coats: Query<Growing>,
 ) {
-    for (owner, coat, strands, own, mut state, mut job) in &mut coats {
+    for growing in &mut coats {
+        let GrowingItem {
+            owner,
+            coat,
+            strands,
+            own,
+            mut state,
+            mut job,
+        } = growing;
         let Some(results) = job.task.as_mut().and_then(|task| block_on(poll_once(task))) else {
             continue;
         };

@@ -11,6 +11,7 @@ use super::{
 };
 use crate::{
     anatomy::{Feather, presets},
+    modified::modified,
     parameter::Parameter,
 };
 use bevy::{
@@ -222,16 +223,7 @@ fn request(
     mut events: MessageReader<AssetEvent<Groom>>,
     mut birds: Query<(Entity, Ref<Plumage>, &mut PlumageState)>,
 ) {
-    let modified: Vec<_> = events
-        .read()
-        .filter_map(|event| {
-            if let AssetEvent::Modified { id } = event {
-                Some(*id)
-            } else {
-                None
-            }
-        })
-        .collect();
+    let modified = modified(&mut events);
     for (entity, plumage, mut state) in &mut birds {
         if plumage.is_changed() || modified.contains(&plumage.groom.id()) {
             state.ready = false;

@@ -42,14 +42,14 @@ pub enum FeatherTransparency {
 /// and pipelines of their own, so that a fragment far away does not carry what only near ones need.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum DrawnCards {
-    /// Depth and shadows of all; colour of what no other material draws.
+    /// Shadows of all; colour and depth of what no other material draws.
     #[default]
     Own,
     /// The almost opaque interiors for [`FeatherTransparency::OrderIndependent`].
     Core,
-    /// Colour of cards of the class FAR.
+    /// Colour and depth of cards of the class FAR.
     Far,
-    /// Colour of cards of the class MEAN.
+    /// Colour and depth of cards of the class MEAN.
     Mean,
 }
 

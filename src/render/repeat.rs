@@ -207,30 +207,24 @@ fn spawn_repeat(
     bird: &WornItem,
     material: Handle<FeatherMaterial>,
 ) -> Entity {
-    let mut repeat = commands.spawn((
-        PlumageRepeat,
-        bird.mesh.clone(),
-        MeshMaterial3d(material),
-        NotShadowCaster,
-        NoFrustumCulling,
-        Transform::IDENTITY,
-        Visibility::Inherited,
-        Name::new("Plumage repeat"),
-        ChildOf(bird.entity),
-    ));
-    if let Some(skin) = bird.skin {
-        repeat.insert(skin.clone());
-    }
-    if let Some(layers) = bird.layers {
-        repeat.insert(layers.clone());
-    }
-    if let Some(range) = bird.range {
-        repeat.insert(range.clone());
-    }
-    if bird.unshadowed.is_some() {
-        repeat.insert(NotShadowReceiver);
-    }
-    repeat.id()
+    let repeat = commands
+        .spawn((
+            PlumageRepeat,
+            bird.mesh.clone(),
+            MeshMaterial3d(material),
+            NotShadowCaster,
+            NoFrustumCulling,
+            Transform::IDENTITY,
+            Visibility::Inherited,
+            Name::new("Plumage repeat"),
+            ChildOf(bird.entity),
+        ))
+        .id();
+    follow(commands, repeat, bird.skin.cloned());
+    follow(commands, repeat, bird.layers.cloned());
+    follow(commands, repeat, bird.range.cloned());
+    follow(commands, repeat, bird.unshadowed.map(|_| NotShadowReceiver));
+    repeat
 }
 
 fn draws_like(repeat: &FeatherMaterial, material: &FeatherMaterial) -> bool {

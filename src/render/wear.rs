@@ -6,7 +6,7 @@ use super::{
     pack::{TableCache, albedo_array, pack_cards, pack_feathers, same_paint},
     wind,
 };
-use crate::{anatomy::Feather, groom::PlumageCards};
+use crate::{anatomy::Feather, groom::PlumageCards, modified::modified};
 use bevy::{
     asset::RenderAssetUsages,
     platform::collections::HashMap,
@@ -114,13 +114,7 @@ fn refresh_feathers(
     feathers: Res<Assets<Feather>>,
     mut buffers: ResMut<Assets<ShaderBuffer>>,
 ) {
-    let modified: Vec<_> = events
-        .read()
-        .filter_map(|event| match event {
-            AssetEvent::Modified { id } => Some(*id),
-            _ => None,
-        })
-        .collect();
+    let modified = modified(&mut events);
     if modified.is_empty() {
         return;
     }
