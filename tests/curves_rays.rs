@@ -6,7 +6,7 @@ use bevy_plumage::{
         CurveCamera, CurveHit, CurveOptions, CurveShader, Curves, Part, Ray, Visibility,
         furnace_path, near_field, normal_quantile,
     },
-    query::{self, ErrorBudget, Footprint},
+    query::{self, ErrorBudget, Footprint, mean_shadow},
     scattering::{
         Fibre, FibreKind, FibreTable, fibre_albedo, fibre_evaluate, fibre_shading,
         multiple_scattering, reference::uniform,
@@ -38,20 +38,6 @@ fn dense_vane() -> Feather {
         vane.barbules.spacing_um *= 0.66;
     }
     feather
-}
-
-fn query_vane(feather: &Feather, side: Side) -> query::Vane<f64> {
-    let v = feather.vane(side);
-    query::Vane::from_measures(
-        f64::from(v.barb_count),
-        f64::from(v.barb_angle),
-        f64::from(v.barb_radius_um),
-        f64::from(v.barbules.spacing_um),
-        f64::from(v.barbules.angle),
-        f64::from(v.barbules.distal_radius_um),
-        f64::from(v.barbules.proximal_radius_um),
-        f64::from(feather.length_mm),
-    )
 }
 
 /// Rays towards a Gaussian of deviation `sigma` around a point of the card, seen along `direction`; share per part, last: none.
@@ -88,8 +74,8 @@ fn coverage_of_rays_is_that_of_the_range_query() {
     let feather = vane();
     let curves = Curves::build(&feather);
     let (left, right) = (
-        query_vane(&feather, Side::Left),
-        query_vane(&feather, Side::Right),
+        feather.query_vane(Side::Left),
+        feather.query_vane(Side::Right),
     );
     let budget = ErrorBudget::default();
     let mut largest = 0.0_f64;
@@ -127,6 +113,7 @@ fn a_hit_lies_on_its_fibre() {
     let curves = Curves::build(&feather);
     let direction = [0.3, -0.2, -0.93];
     let mut seen = [0; 4];
+    let mut cut = 0;
     for i in 0..4000 {
         let p = [
             -0.2 + 0.4 * f64::from(i % 63) / 63.0,
@@ -145,8 +132,10 @@ fn a_hit_lies_on_its_fibre() {
         let along: f64 = (0..3).map(|k| off[k] * hit.tangent[k]).sum();
         let across = (off[0] * hit.tangent[1] - off[1] * hit.tangent[0]) / hit.radius[0];
         let on = across.hypot(off[2] / hit.radius[1]);
+        // Barbules are cut along the flanks of the barbs: a few rays meet the cut.
+        cut += usize::from(on < 1.0 - 1e-6);
         assert!(
-            along.abs() < 1e-9 && (on - 1.0).abs() < 1e-6,
+            along.abs() < 1e-9 && on < 1.0 + 1e-6,
             "{hit:?}: {along} {on}"
         );
         assert!(hit.offset.abs() <= 1.0 && hit.tangent[1] > 0.0);
@@ -157,6 +146,7 @@ fn a_hit_lies_on_its_fibre() {
         assert_eq!(again, Some(hit.fibre));
     }
     assert!(seen.iter().all(|&n| n > 20), "{seen:?}");
+    assert!(cut < 40, "{cut}");
 }
 
 #[test]
@@ -249,7 +239,8 @@ fn shadows_of_neighbours_fall_where_they_should() {
                 direction: [0.0, 0.0, -1.0],
             };
             if let Some(hit) = curves.hit(&ray, f64::NEG_INFINITY, None) {
-                sum += shader.visibility(&curves, &hit, light, uniform(&mut random));
+                sum +=
+                    shader.visibility(&curves, &hit, [0.0, 0.0, 1.0], light, uniform(&mut random));
                 count += 1;
             }
         }
@@ -305,6 +296,13 @@ fn several_bounces_through_a_dense_vane_are_what_the_closed_form_says() {
     let feather = dense_vane();
     let curves = Curves::build(&feather);
     let shader = CurveShader::new(&feather, [0.5; 3], CurveOptions::default());
+    // What fibres keep of light from all around, each by what shows of it.
+    let sides = mean_shadow(&feather.query_vane(Side::Left), true);
+    let seen = shares(&curves, [-0.08, 0.58], 0.01, [0.0, 0.0, -1.0]);
+    let kept: f64 = (1..4)
+        .map(|i| seen[i] * 0.5 * (sides[0][i] + sides[1][i]))
+        .sum();
+    let meeting = 1.0 - kept / (1..4).map(|i| seen[i]).sum::<f64>();
     for albedo in [0.3, 0.9] {
         let (total, p) = furnace(&curves, &shader, albedo, 0.0);
         let table = FibreTable::build(&feather.optics.distal);
@@ -317,12 +315,11 @@ fn several_bounces_through_a_dense_vane_are_what_the_closed_form_says() {
             8,
         );
         let a = fibre_albedo(&s);
-        let model = 0.5 * a[0] + multiple_scattering(a, 0.5)[0];
+        let model = (1.0 - meeting) * a[0] + multiple_scattering(a, meeting)[0];
         println!(
-            "fibre albedo {albedo}: traced {total:.4}, closed form at p = 0.5 {model:.4}, fitted p {p:.3}"
+            "fibre albedo {albedo}: traced {total:.4}, closed form at p = {meeting:.3} {model:.4}, fitted p {p:.3}"
         );
         assert!((model / total - 1.0).abs() < 0.04, "{model} {total}");
-        assert!((0.45..0.56).contains(&p), "{p}");
     }
 }
 

@@ -41,7 +41,7 @@ fn prepare(
 fn parts(
     omega_o: [f64; 3],
     weights: [f64; 4],
-    coverage: [f64; 4],
+    reached: [f64; 4],
     white: bool,
 ) -> [FeatherPart<f64>; 4] {
     let normal = [0.0, 0.0, 1.0];
@@ -59,7 +59,7 @@ fn parts(
         }
         FeatherPart {
             weight: weights[i],
-            coverage: coverage[i],
+            reached: reached[i],
             tangent,
             shading,
         }
@@ -87,7 +87,7 @@ fn a_white_feather_passes_the_furnace() {
             [-0.9, 0.3, 0.15],
             [0.3, 0.3, -0.8],
         ] {
-            let p = parts(unit(o), weights, [0.0; 4], true);
+            let p = parts(unit(o), weights, [1.0; 4], true);
             let n = 60_000;
             let sum: f64 = sphere(n)
                 .map(|i| feather_bsdf(&p, [0.0, 0.0, 1.0], i)[1])
@@ -131,9 +131,9 @@ fn light_from_behind_comes_through() {
     let o = [0.0, 0.0, 1.0];
     let normal = [0.0, 0.0, 1.0];
     let i = unit([0.2, 0.0, -0.9]);
-    let p = parts(o, [0.0, 0.0, 0.0, 1.0], [0.0; 4], false);
+    let p = parts(o, [0.0, 0.0, 0.0, 1.0], [1.0; 4], false);
     assert!(feather_bsdf(&p, normal, i)[0] > 0.05);
-    let p = parts(o, [f64::NAN, -1.0, 0.0, 0.0], [0.0; 4], false);
+    let p = parts(o, [f64::NAN, -1.0, 0.0, 0.0], [1.0; 4], false);
     assert_eq!(feather_bsdf(&p, normal, i), [0.0; 3]);
 }
 

@@ -1,6 +1,7 @@
 //! Derived quantities under the names of Table 1, in feather lengths.
 
 use super::{Feather, Vane};
+use crate::query::{self, Real};
 
 /// One of the two vanes, seen from the front, tip up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -53,6 +54,22 @@ impl Feather {
             Side::Left => &self.left,
             Side::Right => &self.right,
         }
+    }
+
+    /// The vane on a side as the range query takes it.
+    pub fn query_vane<T: Real>(&self, side: Side) -> query::Vane<T> {
+        let of = |x: f32| T::of(f64::from(x));
+        let vane = self.vane(side);
+        query::Vane::from_measures(
+            of(vane.barb_count),
+            of(vane.barb_angle),
+            of(vane.barb_radius_um),
+            of(vane.barbules.spacing_um),
+            of(vane.barbules.angle),
+            of(vane.barbules.distal_radius_um),
+            of(vane.barbules.proximal_radius_um),
+            of(self.length_mm),
+        )
     }
 
     /// Micrometres as feather lengths.

@@ -1,6 +1,6 @@
 //! Several bounces: light that meets fibre after fibre, for measuring what single scattering leaves out.
 
-use super::{CurveShader, Curves, Ray, shade::world, trace::rim_point};
+use super::{CurveShader, Curves, Ray, shade::world, trace::lit_point};
 use crate::scattering::fibre_sample;
 
 /// Where a path left the feather.
@@ -43,7 +43,7 @@ pub fn furnace_path(
         direction = world(hit.tangent, sample.direction);
         weight = [0, 1, 2].map(|c| weight[c] * sample.weight[c]);
         let next = Ray {
-            origin: rim_point(&hit, direction, 2.0 * random() - 1.0),
+            origin: lit_point(&hit, direction, 2.0 * random() - 1.0),
             direction,
         };
         match curves.hit(&next, 0.0, Some(hit.fibre)) {

@@ -1,11 +1,12 @@
 //! Light at a hit: the plugin's K, one bounce.
 
-use super::{CurveHit, Curves, FibreId, Part, Ray, near_field, trace::rim_point};
+use super::{CurveHit, Curves, FibreId, Part, Ray, near_field, trace::lit_point};
 use crate::{
     anatomy::{BAKE_HEIGHT, BAKE_WIDTH, Feather, Side},
+    query::{self, vane_shadow, vane_sight},
     scattering::{
         Fibre, FibreShading, FibreTable, Sheen, fibre_evaluate, fibre_local, fibre_sample,
-        fibre_shading, light_visibility, sheen_albedo, sheen_evaluate, sheen_lookup, sheen_tint,
+        fibre_shading, sheen_albedo, sheen_evaluate, sheen_lookup, sheen_tint,
     },
 };
 
@@ -26,7 +27,7 @@ pub enum Field {
 pub enum Visibility {
     /// Not at all.
     None,
-    /// By the plugin's estimate, [`light_visibility`].
+    /// By the plugin's estimate, [`vane_shadow`].
     #[default]
     Estimated,
     /// By a ray to the light.
@@ -63,14 +64,16 @@ pub type CurveLight = ([f64; 3], [f64; 3]);
 /// Everything that shading a feather's curves needs.
 pub struct CurveShader {
     fibres: [(Fibre, FibreTable); 4],
-    /// Width over period of barbs, distal and proximal barbules, left and right.
-    crowding: [[f64; 4]; 2],
+    /// Left and right.
+    vanes: [query::Vane<f64>; 2],
     faces: [Vec<[f64; 4]>; 2],
     shares: [f64; 4],
     tint: [f64; 3],
     sheen: Sheen,
     dark_back: f64,
     curve: crate::anatomy::FeatherMap,
+    /// Where the vanes begin on the rachis.
+    begin: f64,
     aspect: f64,
     /// How to shade.
     pub options: CurveOptions,
@@ -108,19 +111,10 @@ impl CurveShader {
                 })
                 .collect()
         };
-        let crowding = Side::BOTH.map(|side| {
-            let family = |r: f32, period: f32| f64::from((2.0 * r / period.max(1e-9)).min(1.0));
-            [
-                1.0,
-                family(feather.r_b(side), feather.p_b(side)),
-                family(feather.r_bd(side), feather.p_bl(side)),
-                family(feather.r_bp(side), feather.p_bl(side)),
-            ]
-        });
         Self {
             fibres: [optics.rachis, optics.barb, optics.distal, optics.proximal]
                 .map(|fibre| (fibre, FibreTable::build(&fibre))),
-            crowding,
+            vanes: Side::BOTH.map(|side| feather.query_vane(side)),
             faces: [
                 bake(&feather.albedo.front),
                 bake(feather.albedo.back_pattern()),
@@ -130,6 +124,7 @@ impl CurveShader {
             sheen: optics.sheen,
             dark_back: f64::from(u8::from(feather.albedo.back.is_none())),
             curve: feather.map(),
+            begin: f64::from(feather.shape_table().start),
             aspect: f64::from(feather.aspect),
             options,
             lights: Vec::new(),
@@ -184,20 +179,34 @@ impl CurveShader {
         )
     }
 
-    /// Share of the fibre at a hit that the light from unit direction `to_light` reaches; `u`: uniform, picks a place on its
-    /// width (traced shadows are 0 or 1).
-    pub fn visibility(&self, curves: &Curves, hit: &CurveHit, to_light: [f64; 3], u: f64) -> f64 {
+    /// Share of the fibre at a hit, seen from unit direction `eye`, that the light from unit direction `to_light` reaches; `u`:
+    /// uniform, picks a place on its width (traced shadows are 0 or 1).
+    pub fn visibility(
+        &self,
+        curves: &Curves,
+        hit: &CurveHit,
+        eye: [f64; 3],
+        to_light: [f64; 3],
+        u: f64,
+    ) -> f64 {
         match self.options.visibility {
             Visibility::None => 1.0,
             Visibility::Estimated => {
-                let side = usize::from(hit.fibre.side == Side::Right);
-                let local = fibre_local(hit.tangent, NORMAL, to_light);
-                let cos_theta = (1.0 - local[0] * local[0]).max(1e-6).sqrt();
-                light_visibility(
-                    to_light[2],
-                    self.crowding[side][hit.fibre.part as usize],
-                    cos_theta,
-                )
+                // The right vane is the left one mirrored.
+                let right = hit.fibre.side == Side::Right;
+                let vane = &self.vanes[usize::from(right)];
+                let hooked = match hit.fibre.part {
+                    Part::Rachis if hit.point[1] < self.begin => return 1.0,
+                    Part::Rachis | Part::Barb => 1.0,
+                    Part::Distal => hit.radius[0] / vane.r_bd.max(1e-12),
+                    Part::Proximal => hit.radius[0] / vane.r_bp.max(1e-12),
+                };
+                let front = eye[2] >= 0.0;
+                let [from, to] = [eye, to_light].map(|d| {
+                    let x = if right { -d[0] } else { d[0] };
+                    vane_sight(vane, hooked, [x, d[1], d[2]], front)
+                });
+                vane_shadow(&from, &to, front)[hit.fibre.part as usize]
             }
             Visibility::Traced => {
                 f64::from(u8::from(!shadowed(curves, hit, to_light, 2.0 * u - 1.0)))
@@ -245,7 +254,7 @@ impl CurveShader {
         };
         let mut sum = [0.0; 3];
         for (i, (to_light, irradiance)) in self.lights.iter().enumerate() {
-            let seen = self.visibility(curves, hit, *to_light, random(i as u32));
+            let seen = self.visibility(curves, hit, eye, *to_light, random(i as u32));
             let k = scatter(*to_light);
             let rim = strength * sheen_evaluate(ltc, facing, eye, *to_light);
             for c in 0..3 {
@@ -259,7 +268,7 @@ impl CurveShader {
                 continue;
             };
             let to_light = world(hit.tangent, sample.direction);
-            let seen = self.visibility(curves, hit, to_light, random(4 * i + 12));
+            let seen = self.visibility(curves, hit, eye, to_light, random(4 * i + 12));
             let light = (self.environment)(to_light);
             for c in 0..3 {
                 sum[c] += base * seen * sample.weight[c] * light[c] / f64::from(n);
@@ -289,10 +298,10 @@ pub(crate) fn world(tangent: [f64; 3], local: [f64; 3]) -> [f64; 3] {
 /// Does another fibre stand between a fibre and the light? `h` in -1..1: place on the fibre's width as the light sees it.
 pub(crate) fn shadowed(curves: &Curves, hit: &CurveHit, to_light: [f64; 3], h: f64) -> bool {
     let ray = Ray {
-        origin: rim_point(hit, to_light, h),
+        origin: lit_point(hit, to_light, h),
         direction: to_light,
     };
-    curves.hit(&ray, 0.0, Some(skipped(hit.fibre))).is_some()
+    curves.blocked(&ray, skipped(hit.fibre))
 }
 
 fn skipped(fibre: FibreId) -> FibreId {

@@ -65,8 +65,8 @@ struct Section {
 }
 
 impl Section {
-    /// First distance at which the ray is on the ellipse, not before `least`.
-    fn first(&self, least: f64) -> Option<f64> {
+    /// Where along the ray it is in the ellipse.
+    fn span(&self) -> Option<[f64; 2]> {
         let scale = |v: [f64; 2]| [v[0] / self.radius[0], v[1] / self.radius[1]];
         let (o, d) = (scale(self.origin), scale(self.direction));
         let a = d[0] * d[0] + d[1] * d[1];
@@ -81,9 +81,18 @@ impl Section {
             return None;
         }
         let half = (half2 / a).sqrt();
-        let t = nearest - half;
-        (t >= least).then_some(t)
+        Some([nearest - half, nearest + half])
     }
+}
+
+/// The piece of `range` on which `value + t slope` lies within low..high.
+fn within(range: [f64; 2], value: f64, slope: f64, low: f64, high: f64) -> Option<[f64; 2]> {
+    if slope.abs() < 1e-18 {
+        return (low..=high).contains(&value).then_some(range);
+    }
+    let (a, b) = ((low - value) / slope, (high - value) / slope);
+    let piece = [range[0].max(a.min(b)), range[1].min(a.max(b))];
+    (piece[0] <= piece[1]).then_some(piece)
 }
 
 /// The first hit so far.
@@ -91,11 +100,18 @@ struct Best {
     distance: f64,
     fibre: Option<FibreId>,
     skip: Option<FibreId>,
+    /// A ray that starts within a fibre meets it.
+    from_within: bool,
 }
 
 impl Best {
-    fn offer(&mut self, distance: f64, fibre: FibreId) {
-        if distance < self.distance && self.skip != Some(fibre) {
+    /// `span`: where the ray is in the fibre; `least`: where it begins.
+    fn offer(&mut self, span: [f64; 2], least: f64, fibre: FibreId) {
+        let [mut distance, leaves] = span;
+        if self.from_within && leaves > least {
+            distance = distance.max(least);
+        }
+        if distance >= least && distance < self.distance && self.skip != Some(fibre) {
             self.distance = distance;
             self.fibre = Some(fibre);
         }
@@ -116,29 +132,19 @@ impl VaneRay {
 
     /// The piece of `range` on which coordinate `axis` lies within low..high.
     fn within(&self, range: [f64; 2], axis: usize, low: f64, high: f64) -> Option<[f64; 2]> {
-        let d = self.direction[axis];
-        if d.abs() < 1e-18 {
-            let inside = (low..=high).contains(&self.origin[axis]);
-            return inside.then_some(range);
-        }
-        let (a, b) = (
-            (low - self.origin[axis]) / d,
-            (high - self.origin[axis]) / d,
-        );
-        let piece = [range[0].max(a.min(b)), range[1].min(a.max(b))];
-        (piece[0] <= piece[1]).then_some(piece)
+        within(range, self.origin[axis], self.direction[axis], low, high)
     }
 }
 
 impl VaneCurves {
     /// Heights of the axes of distal and proximal barbules.
     fn heights(&self) -> [f64; 2] {
-        let lift = 0.5 * self.radius[1][1].max(self.radius[2][1]);
+        let lift = 0.5 * (self.radius[1][1] + self.radius[2][1]);
         [lift, -lift]
     }
 
     fn tallest(&self) -> f64 {
-        let barbule = 1.5 * self.radius[1][1].max(self.radius[2][1]);
+        let barbule = self.heights()[0] + self.radius[1][1].max(self.radius[2][1]);
         self.radius[0][1].max(barbule)
     }
 
@@ -165,8 +171,8 @@ impl VaneCurves {
                 direction: [ray.direction[0], ray.direction[2]],
                 radius: self.radius[0],
             };
-            if let Some(t) = section.first(least)
-                && (barb.begin..=barb.end).contains(&ray.at(t, 1))
+            if let Some(span) = section.span()
+                && let Some(span) = ray.within(span, 1, barb.begin, barb.end)
             {
                 let fibre = FibreId {
                     part: Part::Barb,
@@ -174,7 +180,7 @@ impl VaneCurves {
                     row: (k - self.first) as u32,
                     place: 0,
                 };
-                best.offer(t, fibre);
+                best.offer(span, least, fibre);
             }
         }
         for k in first..=last {
@@ -236,17 +242,23 @@ impl VaneCurves {
                     ],
                     radius: [radius[0] * f64::from(barbule.width), radius[1]],
                 };
-                let Some(t) = section.first(least) else {
-                    continue;
-                };
-                let along = sign * (ray.at(t, 0) - across) * self.sin_bl
-                    + (ray.at(t, 1) - barbule.root) * self.cos_bl;
-                // Between the flanks of the two barbs.
-                let in_gap = ray.at(t, 0) - k as f64 * self.period;
+                // Cut to the stretch between the flanks of the two barbs: a ray may enter through the cut.
                 let flank = self.radius[0][0];
-                if (flank..=self.period - flank).contains(&in_gap)
-                    && (f64::from(barbule.begin)..=f64::from(barbule.end)).contains(&along)
-                {
+                let low = k as f64 * self.period;
+                let along = |o: f64, v: f64| sign * o * self.sin_bl + v * self.cos_bl;
+                let span = section
+                    .span()
+                    .and_then(|span| ray.within(span, 0, low + flank, low + self.period - flank))
+                    .and_then(|span| {
+                        within(
+                            span,
+                            along(offset[0], offset[1]),
+                            along(ray.direction[0], ray.direction[1]),
+                            f64::from(barbule.begin),
+                            f64::from(barbule.end),
+                        )
+                    });
+                if let Some(span) = span {
                     let fibre = FibreId {
                         part: if proximal {
                             Part::Proximal
@@ -257,7 +269,7 @@ impl VaneCurves {
                         row: (k - self.first + 1) as u32,
                         place: i as u32,
                     };
-                    best.offer(t, fibre);
+                    best.offer(span, least, fibre);
                 }
             }
         }
@@ -300,6 +312,22 @@ impl Curves {
     ///
     /// Rays along the card within a degree see one barb's thickness of it and are cut to ten feather lengths.
     pub fn hit(&self, ray: &Ray, least: f64, skip: Option<FibreId>) -> Option<CurveHit> {
+        self.cast(ray, least, skip, false)
+    }
+
+    /// Does a ray meet any fibre but `skip`? One that starts within a fibre does: where two fibres share a place, each shades the
+    /// other.
+    pub fn blocked(&self, ray: &Ray, skip: FibreId) -> bool {
+        self.cast(ray, 0.0, Some(skip), true).is_some()
+    }
+
+    fn cast(
+        &self,
+        ray: &Ray,
+        least: f64,
+        skip: Option<FibreId>,
+        from_within: bool,
+    ) -> Option<CurveHit> {
         let d = ray.direction;
         // Where the ray meets the card; the map is straightened there.
         let reference = if d[2].abs() > 1e-9 {
@@ -321,6 +349,7 @@ impl Curves {
             distance: f64::INFINITY,
             fibre: None,
             skip,
+            from_within,
         };
         self.cast_rachis(&canonical, reference, least, &mut best);
         if d[2].abs() < 1e-9 {
@@ -344,8 +373,8 @@ impl Curves {
             direction: [ray.direction[0], ray.direction[2]],
             radius: [r, r * self.rachis_flatness],
         };
-        if let Some(t) = section.first(least)
-            && (0.0..=1.0).contains(&(ray.origin[1] + t * ray.direction[1]))
+        if let Some(span) = section.span()
+            && let Some(span) = within(span, ray.origin[1], ray.direction[1], 0.0, 1.0)
         {
             let fibre = FibreId {
                 part: Part::Rachis,
@@ -353,7 +382,7 @@ impl Curves {
                 row: 0,
                 place: 0,
             };
-            best.offer(t, fibre);
+            best.offer(span, least, fibre);
         }
     }
 
@@ -433,22 +462,30 @@ fn silhouette(across: [f64; 3], tangent: [f64; 3], radius: [f64; 2]) -> f64 {
     (in_card * radius[0]).hypot(across[2] * radius[1])
 }
 
-/// The point on a fibre's outline as light from unit direction `to_light` sees it, at share `h` in -1..1 of its width: where a
-/// ray towards that light leaves the fibre's neighbourhood from.
-pub(crate) fn rim_point(hit: &CurveHit, to_light: [f64; 3], h: f64) -> [f64; 3] {
+/// Where light from unit direction `to_light` meets the fibre at the hit's place along it, at share `h` in -1..1 of the width that
+/// the light sees.
+pub(crate) fn lit_point(hit: &CurveHit, to_light: [f64; 3], h: f64) -> [f64; 3] {
     let t = hit.tangent;
-    let across = [
-        t[1] * to_light[2] - t[2] * to_light[1],
-        t[2] * to_light[0] - t[0] * to_light[2],
-        t[0] * to_light[1] - t[1] * to_light[0],
+    let l = t[0].hypot(t[1]).max(1e-30);
+    let across = [t[1] / l, -t[0] / l];
+    // The section as a unit circle.
+    let light = [
+        (to_light[0] * across[0] + to_light[1] * across[1]) / hit.radius[0],
+        to_light[2] / hit.radius[1],
     ];
-    let l = across.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if l < 1e-9 {
+    let size = light[0].hypot(light[1]);
+    if size < 1e-9 {
         return hit.axis;
     }
-    let across = across.map(|x| x / l);
-    let half = silhouette(across, t, hit.radius);
-    [0, 1, 2].map(|i| hit.axis[i] + h * half * across[i])
+    let light = light.map(|x| x / size);
+    let depth = (1.0 - h * h).max(0.0).sqrt();
+    let aside = hit.radius[0] * (h * light[1] + depth * light[0]);
+    let up = hit.radius[1] * (depth * light[1] - h * light[0]);
+    [
+        hit.axis[0] + aside * across[0],
+        hit.axis[1] + aside * across[1],
+        hit.axis[2] + up,
+    ]
 }
 
 fn at(ray: &Ray, t: f64) -> [f64; 3] {

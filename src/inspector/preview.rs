@@ -5,10 +5,10 @@ use super::{
     state::Inspector,
 };
 use crate::{
-    anatomy::{Feather, Side, Vane as FeatherVane},
+    anatomy::{Feather, Side},
     groom::{Card, CardGeometry, PlumageCards},
     parameter::Parameter,
-    query::{Coverage, ErrorBudget, Footprint, Vane, feather_coverage},
+    query::{Coverage, ErrorBudget, Footprint, feather_coverage},
     render::FeatherQuality,
 };
 use bevy::{
@@ -146,20 +146,6 @@ impl Preview {
     }
 }
 
-/// One vane as the range query takes it.
-pub fn query_vane(vane: &FeatherVane, length_mm: f32) -> Vane<f32> {
-    Vane::from_measures(
-        vane.barb_count,
-        vane.barb_angle,
-        vane.barb_radius_um,
-        vane.barbules.spacing_um,
-        vane.barbules.angle,
-        vane.barbules.distal_radius_um,
-        vane.barbules.proximal_radius_um,
-        length_mm,
-    )
-}
-
 /// Coverage of a round footprint at a place of the card; nothing where there is no vane.
 pub fn coverage_at(
     feather: &Feather,
@@ -178,8 +164,8 @@ pub fn coverage_at(
     }
     let footprint = Footprint::round([x, uv.y], feather.from_um(sigma_um));
     Some(feather_coverage(
-        &query_vane(&feather.left, feather.length_mm),
-        &query_vane(&feather.right, feather.length_mm),
+        &feather.query_vane(Side::Left),
+        &feather.query_vane(Side::Right),
         feather.r_r(uv.y),
         &footprint,
         view.to_array(),

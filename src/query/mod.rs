@@ -10,6 +10,8 @@
 //! 4. [`feather_coverage`] does all of it for both vanes and cuts a footprint that lies across the rachis or an outline
 //!    ([`split_line`]).
 //!
+//! The light looks through the same fibres: [`vane_shadow`] is masking seen from a light.
+//!
 //! | evaluator | differs from the exact coverage by at most ([`ErrorBudget::bound`]) | cost |
 //! |---|---|---|
 //! | MEAN | 1.5 budgets | nothing: a constant of the card |
@@ -18,7 +20,7 @@
 //! | NEAR | 0.03 at the default budget | closed forms, or up to 144 cells |
 //!
 //! Everything is generic over `f32` and `f64` and has a twin of the same name in
-//! `src/shaders/{math,masking,query,query_far,query_near,query_split}.wgsl`.
+//! `src/shaders/{math,masking,query,query_far,query_near,query_split,shadow}.wgsl`.
 //! The derivations, bounds and measurements are those of the range query study; equation numbers are those of
 //! Chen et al. 2026. [`mod@reference`] judges the evaluators and shares no code with them.
 //!
@@ -38,6 +40,7 @@ mod near;
 mod point;
 pub mod published;
 pub mod reference;
+mod shadow;
 mod split;
 mod stripe;
 mod vane;
@@ -52,6 +55,7 @@ pub use math::Real;
 pub use mean::mean;
 pub use near::{MAX_CELLS, MAX_GAPS, near, near_counted};
 pub use point::{Component, PointHit, feather_point_query, point_query};
+pub use shadow::{VaneSight, mean_shadow, vane_shadow, vane_sight};
 pub use split::{
     Line, MAX_OUTLINE_NODES, Outline, PARTS, Part, outline_share, split_line, split_vane,
 };

@@ -100,7 +100,8 @@ pub struct FeatherSettings {
     /// thresholds of the LOD and how finely near footprints are resolved.
     #[reflect(@Parameter::new("", 0.0005, 0.05).logarithmic())]
     pub error_budget: f32,
-    /// Strength of the light that reaches a feather through its neighbours, 0..1: scattered light between feathers (0.5).
+    /// How much of the light that fibres scatter onto other fibres is followed further, 0..1: all of it (1) keeps the energy of a
+    /// white feather, 0 is single scattering.
     #[reflect(@Parameter::share())]
     pub multiple_scattering: f32,
     /// Share of the sky that the feathers above hide at a feather's root, 0..1 (0.55); falls to nothing towards the tip. 0 for a
@@ -129,7 +130,7 @@ impl Default for FeatherSettings {
     fn default() -> Self {
         Self {
             error_budget: 1.0 / 510.0,
-            multiple_scattering: 0.5,
+            multiple_scattering: 1.0,
             shelter: 0.55,
             dither: true,
             debug_view: DebugView::None,

@@ -3,6 +3,7 @@
 use crate::{
     anatomy::{CONTOUR_ROWS, Feather, Pattern, RACHIS_ROWS, Side},
     groom::Card,
+    query::mean_shadow,
     scattering::{FIBRE_ROW_VEC4S, FIBRE_ROWS, Fibre, FibreTable, SHEEN_TABLE_SIZE, sheen_row},
 };
 use bevy::{
@@ -15,7 +16,7 @@ use bevy::{
 };
 
 /// vec4s of a feather's header.
-pub const HEADER_LENGTH: usize = 24;
+pub const HEADER_LENGTH: usize = 26;
 /// vec4s of one feather.
 pub const FEATHER_STRIDE: usize = HEADER_LENGTH + RACHIS_ROWS + CONTOUR_ROWS + SHEEN_TABLE_SIZE;
 /// vec4s (of `u32`) of one card record.
@@ -89,6 +90,18 @@ fn vane_rows(feather: &Feather, side: Side) -> [[f32; 4]; 3] {
     ]
 }
 
+/// What fibres keep of light from all around: seen from the front of light from before and behind, seen from the back of both.
+fn mean_shadows(feather: &Feather) -> [[f32; 4]; 4] {
+    let vanes = Side::BOTH.map(|side| feather.query_vane(side));
+    let rows = [true, false].map(|fronts| {
+        let [left, right] = [0, 1].map(|side| mean_shadow(&vanes[side], fronts));
+        [0, 1].map(|side| {
+            std::array::from_fn(|part| (0.5 * (left[side][part] + right[side][part])) as f32)
+        })
+    });
+    [rows[0][0], rows[0][1], rows[1][0], rows[1][1]]
+}
+
 fn pack_feather(
     feather: &Feather,
     rows: &mut Vec<[f32; 4]>,
@@ -130,6 +143,7 @@ fn pack_feather(
     rows.push(index);
     let share = feather.albedo.share;
     rows.push([share.rachis, share.barb, share.barbule, share.barbule]);
+    rows.extend(mean_shadows(feather));
     rows.resize(start + HEADER_LENGTH, [0.0; 4]);
     rows.extend_from_slice(&shape.rachis);
     rows.extend_from_slice(&shape.contour);

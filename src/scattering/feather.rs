@@ -1,6 +1,6 @@
 //! The whole feather: a plain sum over the fibres that a footprint sees (Chen et al. 2026, Eq. 35, without its cosines).
 
-use super::{FibreShading, dot, fibre_evaluate, fibre_local, light_visibility};
+use super::{FibreShading, fibre_evaluate, fibre_local};
 use num_traits::Float;
 
 /// One of rachis, barbs, distal and proximal barbules, prepared for a pixel.
@@ -8,8 +8,8 @@ use num_traits::Float;
 pub struct FeatherPart<T> {
     /// Share of the footprint that shows this part, 0..1; the four of a feather sum to at most 1.
     pub weight: T,
-    /// Width of these fibres over their period seen along the normal, 0..1; 0 turns their shadow on each other off.
-    pub coverage: T,
+    /// Share of what is seen of this part that the light reaches, 0..1 ([`crate::query::vane_shadow`]).
+    pub reached: T,
     /// Direction of the fibre towards its tip, in the frame of the directions passed to [`feather_bsdf`].
     pub tangent: [T; 3],
     /// The fibre and the eye.
@@ -31,15 +31,9 @@ pub fn feather_bsdf<T: Float>(
             continue;
         }
         let local = fibre_local(part.tangent, normal, omega_i);
-        let cos_theta = (T::one() - local[0] * local[0]).max(T::zero()).sqrt();
-        let seen = if part.coverage > T::zero() {
-            light_visibility(dot(normal, omega_i), part.coverage, cos_theta)
-        } else {
-            T::one()
-        };
         let k = fibre_evaluate(&part.shading, local);
         for c in 0..3 {
-            sum[c] = sum[c] + part.weight * seen * k[c];
+            sum[c] = sum[c] + part.weight * part.reached * k[c];
         }
     }
     sum

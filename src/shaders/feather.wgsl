@@ -8,6 +8,8 @@
     feather_lighting as light,
     feather_near::{NearFootprint, near_footprint},
     feather_opacity::{LEAST_OPACITY, leaves_hole, sample_bits},
+    feather_shadow::{reached, shadowing_of},
+    masking::Vane,
     scattering::{
         FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreRow, fibre_energy_split, fibre_evaluate, fibre_local,
         fibre_parameters, fibre_albedo, fibre_row_at, fibre_row_mix, fibre_shading, fibre_terms, light_visibility, mean_visibility,
@@ -172,6 +174,12 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
         near = near_footprint(base, in.uv.y, covered.footprint, frame.local_eye, covered.right);
     }
 
+    // Of light from all around, on the eye's side and behind.
+    let sky = base + data::REACHED + select(2u, 0u, frame.local_eye.z >= 0.0);
+    let reached_before = feather_at(sky);
+    let reached_behind = feather_at(sky + 1u);
+    let shadowing = shadowing_of(base, in.uv.y, covered, frame);
+
     // Sheen takes its share first.
     let fuzz = feather_at(base + data::SHEEN);
     let opacity = dot(covered.weights, vec4(1.0));
@@ -193,9 +201,11 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
     // Lights are fetched once (shadows are dear) and then seen by every component, a batch at a time.
     loop {
         var batch: array<light::Light, BATCH>;
+        var shadows: array<vec4<f32>, BATCH>;
         let count = min(lights.count - first, BATCH);
         for (var i = 0u; i < count; i++) {
             batch[i] = light::light_at(seen, lights, first + i);
+            shadows[i] = reached(shadowing, frame, batch[i].direction);
             sum += opacity * fuzz.x * tint * batch[i].color * sheen_evaluate(sheen, eye_side, frame.eye, batch[i].direction);
         }
         var passed = 0.0;
@@ -206,15 +216,19 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
             }
             let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x, frame);
             let painted = min(albedo * shares[part], vec3(0.98));
-            let single = single_scattering_albedo(painted, settings.multiple_scattering);
+            // Light that leaves a fibre meets another one where light from all around would be kept off.
+            let meeting = settings.multiple_scattering * (1.0 - 0.5 * (reached_before[part] + reached_behind[part]));
+            let single = single_scattering_albedo(painted, meeting);
             let fibre = read_part(base, part, tangent, frame);
             var harmonics = 4u;
             if (level != data::CARD_MEAN) {
                 harmonics = fibre_terms(settings.threshold, fibre.parameters.azimuthal_roughness);
             }
             let shading = fibre_shading(fibre.parameters, fibre.row, single, fibre.eye, shape.w, harmonics);
-            let again = multiple_scattering(fibre_albedo(shading), settings.multiple_scattering);
-            let crowding = coverage_along_normal(base, part, covered.right);
+            let again = multiple_scattering(fibre_albedo(shading), meeting);
+            let crowding = coverage_along_normal(shadowing.vane, part);
+            // Spread evenly over the sphere.
+            let spread = again / (PI * PI * mean_visibility(crowding));
             let place = near_of(part, near, angles, covered.right, tangent, fibre.eye, frame);
             var radiance = vec3(0.0);
             if (resolved && place.y > 0.0) {
@@ -222,27 +236,27 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
                 let part_seen = fibre_near(fibre.parameters, fibre.row, single, fibre.eye, shape.w, 8u, window);
                 for (var i = 0u; i < count; i++) {
                     let local = fibre_local(tangent, frame.normal, batch[i].direction);
-                    radiance += batch[i].color * lit(fibre_near_evaluate(part_seen, local), again, local, crowding);
+                    radiance += batch[i].color * lit(fibre_near_evaluate(part_seen, local), shadows[i][part], spread, local, crowding);
                 }
             } else {
                 for (var i = 0u; i < count; i++) {
                     let local = fibre_local(tangent, frame.normal, batch[i].direction);
-                    radiance += batch[i].color * lit(fibre_evaluate(shading, local), again, local, crowding);
+                    radiance += batch[i].color * lit(fibre_evaluate(shading, local), shadows[i][part], spread, local, crowding);
                 }
             }
             if (first == 0u) {
 #ifdef SAMPLED_ENVIRONMENT
                 let indirect = sampled_environment(
-                    seen, shading, tangent, frame.normal, crowding,
+                    seen, shading, tangent, frame, shadowing, part,
                     passed / opacity, (passed + weight) / opacity, settings.environment_samples,
                 );
 #else
                 let energy = fibre_energy_split(shading);
-                let indirect = (around.radiance * energy.specular + around.irradiance * energy.front
-                    + behind.irradiance * energy.back) * mean_visibility(crowding);
+                let indirect = (around.radiance * energy.specular + around.irradiance * energy.front) * reached_before[part]
+                    + behind.irradiance * energy.back * reached_behind[part];
 #endif
                 let everywhere = 0.5 * (around.irradiance + behind.irradiance);
-                radiance += ((1.0 - settings.multiple_scattering) * indirect + again * everywhere) * open;
+                radiance += (indirect + again * everywhere) * open;
                 passed += weight;
             }
             sum += weight * base_share * radiance;
@@ -276,9 +290,7 @@ fn lobe_color(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, cove
 }
 
 // Width over period of a family of fibres, seen along the normal.
-fn coverage_along_normal(base: u32, part: u32, right: bool) -> f32 {
-    let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
-    let vane = data::vane_unpack(feather_at(slot), feather_at(slot + 1u), feather_at(slot + 2u));
+fn coverage_along_normal(vane: Vane, part: u32) -> f32 {
     let period = max(vane.d_bl * vane.sin_bl, 1e-9);
     switch part {
         case BARB: { return min(2.0 * vane.r_b / vane.p_b, 1.0); }
@@ -288,10 +300,9 @@ fn coverage_along_normal(base: u32, part: u32, right: bool) -> f32 {
     }
 }
 
-// K of one component for one light, with the light's own view of the fibres (self-shadowing between neighbours).
-// `local`: to the light, in the fibre's frame; `again`: energy of light that has met other fibres before, spread evenly.
-fn lit(k: vec3<f32>, again: vec3<f32>, local: vec3<f32>, coverage: f32) -> vec3<f32> {
+// K of one component for one light of which `share` reaches it, and light that has met other fibres before (`spread`, per
+// steradian), which follows what the component's own array receives. `local`: to the light, in the fibre's frame.
+fn lit(k: vec3<f32>, share: f32, spread: vec3<f32>, local: vec3<f32>, coverage: f32) -> vec3<f32> {
     let cos_theta = sqrt(max(1.0 - local.x * local.x, 1e-6));
-    let scattered = (1.0 - settings.multiple_scattering) * k + again * cos_theta / (PI * PI);
-    return scattered * light_visibility(local.z, coverage, cos_theta);
+    return share * k + spread * cos_theta * light_visibility(local.z, coverage, cos_theta);
 }

@@ -52,19 +52,22 @@ fn frame_of(in: FeatherVertex) -> Frame {
     return frame;
 }
 
-// Coverage of the footprint by rachis, barbs, distal and proximal barbules, the vane that has most of it, and the footprint.
+// Coverage of the footprint by rachis, barbs, distal and proximal barbules, the vane that has most of it, the share of their
+// width that its barbules show, and the footprint.
 struct Covered {
     weights: vec4<f32>,
     right: bool,
+    hook: f32,
     footprint: Footprint,
 }
 
-// One vane's share of a footprint (over the left vane, or mirrored there) beside the rachis, whose edge is at x = edge.
-fn cover_vane(base: u32, right: bool, footprint: Footprint, edge: f32, frame: Frame, shape: vec4<f32>, level: u32) -> vec3<f32> {
+// One vane's share of a footprint (over the left vane, or mirrored there) beside the rachis, whose edge is at x = edge; w: the
+// share of their width that its barbules show.
+fn cover_vane(base: u32, right: bool, footprint: Footprint, edge: f32, frame: Frame, shape: vec4<f32>, level: u32) -> vec4<f32> {
     let rachis = rachis_line(edge);
     let beside = line_share(rachis, footprint);
     if (beside < 1e-3) {
-        return vec3(0.0);
+        return vec4(0.0, 0.0, 0.0, 1.0);
     }
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
     let angles = feather_at(slot);
@@ -89,7 +92,7 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, edge: f32, frame: Fr
     let mean = vec2(min(footprint.mean.x, -1e-6), footprint.mean.y);
     let begun = vane_start_coverage(mean, footprint.covariance, shape.z, angle);
     if (inside * begun < 1e-3) {
-        return vec3(0.0);
+        return vec4(0.0, 0.0, 0.0, 1.0);
     }
     // Loose barbules stand on edge: they are narrower, and hide less of each other.
     let hook = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
@@ -140,7 +143,7 @@ fn cover_vane(base: u32, right: bool, footprint: Footprint, edge: f32, frame: Fr
         covered += mass * vane_coverage(cell, vane, part.footprint, part_level, settings.threshold);
 #endif
     }
-    return max(covered, vec3(0.0)) * begun;
+    return vec4(max(covered, vec3(0.0)) * begun, hook);
 }
 
 fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u32) -> Covered {
@@ -153,9 +156,10 @@ fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u3
     covered.right = footprint.mean.x > 0.5 * (edges.x + edges.y);
     // The shaft ends where the card does.
     covered.weights.x = rachis_share(footprint, edges) * smoothstep(1.0, 0.99, in.uv.y);
-    let vanes = cover_vane(base, false, footprint, edges.x, frame, shape, level)
-        + cover_vane(base, true, mirrored(footprint), -edges.y, frame, shape, level);
-    covered.weights = vec4(covered.weights.x, vanes);
+    let left = cover_vane(base, false, footprint, edges.x, frame, shape, level);
+    let right = cover_vane(base, true, mirrored(footprint), -edges.y, frame, shape, level);
+    covered.hook = select(left.w, right.w, covered.right);
+    covered.weights = vec4(covered.weights.x, left.xyz + right.xyz);
     let total = dot(covered.weights, vec4(1.0));
     covered.weights = max(covered.weights, vec4(0.0)) / max(total, 1.0);
     return covered;

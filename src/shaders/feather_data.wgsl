@@ -5,11 +5,11 @@
 // Buffer header: (feather count, first fibre table, fibre table count, unused).
 const FEATHERS_BASE: u32 = 1u;
 // One feather: header, rachis table, contour table, sheen row.
-const HEADER_LENGTH: u32 = 24u;
+const HEADER_LENGTH: u32 = 26u;
 const RACHIS_SAMPLES: u32 = 64u;
 const CONTOUR_SAMPLES: u32 = 256u;
 const SHEEN_SAMPLES: u32 = 32u;
-const FEATHER_STRIDE: u32 = 376u;
+const FEATHER_STRIDE: u32 = 378u;
 // Inside the header.
 const SHAPE: u32 = 0u;       // aspect, length in metres, contour start, dark back
 const LEFT_VANE: u32 = 1u;   // 3: sin/cos of barb angle and barbule angle; p_b, d_bl, r_b, r_bd; r_bp, fringe, downy, barb angle
@@ -18,6 +18,7 @@ const SHEEN: u32 = 7u;       // strength, roughness
 const FIBRES: u32 = 8u;      // 4 x 3: rachis, barb, distal, proximal
 const TABLES: u32 = 20u;     // fibre table index of each of the four
 const SHARES: u32 = 21u;     // factor on the painted colour of each of the four
+const REACHED: u32 = 22u;    // of light from all around: seen from the front of light before and behind, seen from the back
 
 // Class of a card, indices of CARD_COUNTERS.
 const CARD_CULLED: u32 = 0u;

@@ -4,7 +4,9 @@
 #import bevy_plumage::{
     feather_lighting as feather_light,
     feather_pattern::{hash, pattern_threshold},
-    scattering::{FibreShading, light_visibility},
+    feather_cover::Frame,
+    feather_shadow::{Shadowing, reached},
+    scattering::FibreShading,
     scattering_sample::{fibre_sample, fibre_sampler},
 }
 
@@ -52,15 +54,16 @@ fn sampled_environment(
     f: feather_light::Fragment,
     shading: FibreShading,
     tangent: vec3<f32>,
-    normal: vec3<f32>,
-    coverage: f32,
+    frame: Frame,
+    shadowing: Shadowing,
+    part: u32,
     low: f32,
     high: f32,
     count: u32,
 ) -> vec3<f32> {
     let chooser = fibre_sampler(shading);
     let shift = lattice_shift(f.frag_coord.xy);
-    let across = cross(normal, tangent);
+    let across = cross(frame.normal, tangent);
     let n = f32(count);
     let width = max(high - low, 1e-4);
     let cluster = clustered_forward::view_fragment_cluster_index(f.frag_coord.xy, f.view_z, feather_light::is_orthographic());
@@ -74,11 +77,10 @@ fn sampled_environment(
             continue;
         }
         let d = drawn.direction;
-        let cos_theta = sqrt(max(1.0 - d.x * d.x, 1e-6));
-        let visible = light_visibility(d.z, coverage, cos_theta);
+        let direction = d.x * tangent + d.y * across + d.z * frame.normal;
         let radius = min(FOOTPRINT_SHARE * drawn.width, WIDEST_FOOTPRINT);
         let footprint = min(1.0 / (n * width * drawn.pdf), SKY_PI * radius * radius);
-        sum += drawn.weight * visible * sky(f, &ranges, d.x * tangent + d.y * across + d.z * normal, footprint);
+        sum += drawn.weight * reached(shadowing, frame, direction)[part] * sky(f, &ranges, direction, footprint);
     }
     return sum / (n * width);
 }

@@ -24,6 +24,7 @@ impl Plugin for ShadersPlugin {
     fn build(&self, app: &mut App) {
         load_shader_library!(app, "math.wgsl");
         load_shader_library!(app, "masking.wgsl");
+        load_shader_library!(app, "shadow.wgsl");
         load_shader_library!(app, "query_far.wgsl");
         load_shader_library!(app, "query_near.wgsl");
         load_shader_library!(app, "query.wgsl");
@@ -45,6 +46,7 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "wind.wgsl");
         load_shader_library!(app, "feather_pattern.wgsl");
         load_shader_library!(app, "feather_cover.wgsl");
+        load_shader_library!(app, "feather_shadow.wgsl");
         load_shader_library!(app, "feather_opacity.wgsl");
         load_shader_library!(app, "feather_place.wgsl");
         load_shader_library!(app, "feather_debug.wgsl");
