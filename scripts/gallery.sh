@@ -33,7 +33,7 @@ for side in full back; do
     show single_feather "covert_eagle_$side" --size 360x480 --feather eagle_greater --camera "$side" --env-samples 64
 done
 show single_feather feather_backlight --size 360x480 --backlight --env-samples 64
-show eagle eagle_rim --size 640x480 --time 0 --backlight
+show eagle eagle_rim --size 640x480 --time 0 --camera closeup --backlight
 show single_feather feather_barbs --size 640x480 --camera macro --distance 2.5
 photo=$(mktemp -d)/photograph.jpg
 ${CARGO:-cargo} run -q --all-features --example extract_charts -- --photograph eagle_secondary "$photo"

@@ -221,7 +221,7 @@ fn optics(structural: bool, downy: f32) -> Optics {
     } else {
         // Closed vanes shine less at the rim than the model's default: saturated colours would pale.
         Sheen {
-            strength: 0.12,
+            strength: 0.2,
             ..Sheen::default()
         }
     };
