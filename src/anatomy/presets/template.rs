@@ -213,6 +213,12 @@ fn optics(structural: bool, downy: f32) -> Optics {
     } else {
         plain
     };
+    // Barbules bend and twist along their length, 20 degrees and more: over a pixel that widens every lobe along the fibre. Straight
+    // ones would draw the highlight of a whole bird as one glossy ring.
+    let barbule = Fibre {
+        longitudinal_roughness: 0.35,
+        ..fibre
+    };
     let sheen = if downy > 0.9 {
         Sheen {
             strength: 0.5,
@@ -228,8 +234,8 @@ fn optics(structural: bool, downy: f32) -> Optics {
     Optics {
         rachis: plain,
         barb: fibre,
-        distal: fibre,
-        proximal: fibre,
+        distal: barbule,
+        proximal: barbule,
         sheen,
     }
 }
