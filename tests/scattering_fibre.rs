@@ -438,7 +438,7 @@ fn one_number_picks_the_tier() {
     assert!(fibre_terms(0.275, 0.4) < fibre_terms(0.38, 0.4));
     assert_eq!(fibre_terms(f64::NAN, f64::NAN), fibre_terms(0.0, 0.05));
     let limit = near_limit(0.275_f64);
-    assert!((limit - 1.573).abs() < 0.01);
+    assert!((limit - 2.098).abs() < 0.01);
     assert_eq!(near_deviation(0.2, 0.275_f64), Some(0.2));
     assert!(near_deviation(0.99 * limit, 0.275).is_some_and(|d| d > 10.0));
     assert_eq!(near_deviation(limit, 0.275), None);

@@ -8,9 +8,9 @@ use num_traits::Float;
 pub const MEAN_TERMS: u32 = 3;
 
 /// Largest standard deviation of a footprint across a fibre, in half widths of it, for which the near field shows. Brightness
-/// over the width repeats once in two half widths.
+/// over the width repeats once in two half widths; light that comes through shows in one of them.
 pub fn near_limit<T: Float>(threshold: T) -> T {
-    real::<T>(3.0) * clamp(threshold, real(0.01), real(1.0)).sqrt()
+    real::<T>(4.0) * clamp(threshold, real(0.01), real(1.0)).sqrt()
 }
 
 /// Footprint for [`super::fibre_window`]: the deviation grows without bound towards [`near_limit`], so that the near field

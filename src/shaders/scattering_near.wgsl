@@ -53,7 +53,7 @@ fn fibre_window(mean_in: f32, deviation: f32) -> vec4<f32> {
 
 // Largest deviation of a footprint across a fibre, in half widths, for which the near field shows.
 fn near_limit(threshold: f32) -> f32 {
-    return 3.0 * sqrt(clamp(threshold, 0.01, 1.0));
+    return 4.0 * sqrt(clamp(threshold, 0.01, 1.0));
 }
 
 // Grows without bound towards the limit, so that the near field passes into the far field; -1 beyond it.
