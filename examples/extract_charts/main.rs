@@ -91,8 +91,8 @@ fn corpus(folder: &Path, first: u64, count: u64) -> Result<()> {
         rayon::current_num_threads()
     );
     Report::of(&cases).print();
-    println!("\n| background | photographs | Dice | rachis | albedo |");
-    println!("|---|---|---|---|---|");
+    println!("\n| background | photographs | Dice | rachis | albedo | lowest Dice |");
+    println!("|---|---|---|---|---|---|");
     for background in Background::ALL {
         let part: Vec<Case> = cases
             .iter()
@@ -101,8 +101,8 @@ fn corpus(folder: &Path, first: u64, count: u64) -> Result<()> {
             .collect();
         line(&format!("{background:?}"), &part);
     }
-    println!("\n| feather | photographs | Dice | rachis | albedo |");
-    println!("|---|---|---|---|---|");
+    println!("\n| feather | photographs | Dice | rachis | albedo | lowest Dice |");
+    println!("|---|---|---|---|---|---|");
     for feather in presets::all() {
         let part: Vec<Case> = cases
             .iter()
@@ -113,7 +113,7 @@ fn corpus(folder: &Path, first: u64, count: u64) -> Result<()> {
     }
     let mut text = String::from(
         "seed,feather,width,height,background,contrast,pixels per length,rotation,blur,noise,jpeg,dice,asset dice,rachis,turned,\
-         angle left,angle right,albedo,edges,confidence,seconds,refused\n",
+         angle left,angle right,albedo,edges,confidence,seconds,refused,sure left,sure right\n",
     );
     for case in &cases {
         writeln!(text, "{}", row(case))?;
@@ -130,8 +130,9 @@ fn corpus(folder: &Path, first: u64, count: u64) -> Result<()> {
 
 fn line(name: &str, cases: &[Case]) {
     let report = Report::of(cases);
+    let least = cases.iter().map(Case::dice).fold(1.0, f64::min);
     println!(
-        "| {name} | {} | {:.4} | {:.4} | {:.4} |",
+        "| {name} | {} | {:.4} | {:.4} | {:.4} | {least:.4} |",
         cases.len(),
         report.dice.mean,
         report.rachis.mean,
@@ -158,7 +159,7 @@ fn row(case: &Case) -> String {
     );
     match &case.scores {
         Ok(found) => format!(
-            "{head},{:.4},{:.4},{:.5},{},{},{},{},{},{:.2},{:.2},",
+            "{head},{:.4},{:.4},{:.5},{},{},{},{},{},{:.2},{:.2},,{},{}",
             found.dice,
             found.asset,
             found.rachis,
@@ -168,9 +169,11 @@ fn row(case: &Case) -> String {
             given(found.albedo.rms),
             given(found.albedo.edges),
             found.confidence,
-            case.seconds
+            case.seconds,
+            given(found.sure_angle[0]),
+            given(found.sure_angle[1])
         ),
-        Err(error) => format!("{head},0,0,1,,,,,,0,{:.2},{error:?}", case.seconds),
+        Err(error) => format!("{head},0,0,1,,,,,,0,{:.2},{error:?},,", case.seconds),
     }
 }
 

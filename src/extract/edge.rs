@@ -24,7 +24,7 @@ const MOUTH: (f32, f32) = (0.05, 0.25);
 const SPLIT: f32 = 0.009;
 
 /// Standard deviation of what lens and sensor make of a point, in pixels of the photograph: a fair camera's, its pixels included.
-const BLUR: f32 = 0.9;
+const BLUR: f32 = 0.75;
 /// Standard deviation in pixels over which widths of lines are measured.
 const STRETCH: f32 = 8.0;
 
@@ -64,7 +64,7 @@ pub(super) fn field(
     kept: &GrayImage,
     low: f32,
     band: f32,
-) -> (Plane, [GrayImage; 2]) {
+) -> ([Plane; 2], [GrayImage; 2]) {
     let on = on(kept);
     let shaft = radius(kept, 0.5 * THIN);
     let thick = morphology::open(kept, Norm::L2, shaft);
@@ -155,7 +155,7 @@ pub(super) fn field(
     let around = off.blur(band);
     let beside = mean_light(&off, &around, 1e-3);
     let at = |light: &[Plane; 3], i: usize| Vec3::from_array([0, 1, 2].map(|c| light[c].data[i]));
-    let mut field = Plane::from_fn(far.width, far.height, |x, y| {
+    let field = Plane::from_fn(far.width, far.height, |x, y| {
         let i = y * far.width + x;
         if near.data[i] < 0.002 {
             return -0.1;
@@ -168,7 +168,6 @@ pub(super) fn field(
         }
         towards.data[i] - half.max(low)
     });
-    sharpen(&mut field, kept, &thick, scene.pixel);
     let shadow = |value: &Plane| {
         GrayImage::from_fn(kept.width(), kept.height(), |x, y| {
             let i = y as usize * far.width + x as usize;
@@ -183,12 +182,13 @@ pub(super) fn field(
         *pixel &= vane;
     }
     let shadows = [shadow(&towards), likely];
-    (field, shadows)
+    let sharp = sharpened(&field, kept, &thick, scene.pixel);
+    ([field, sharp], shadows)
 }
 
-/// Draws the edges of thin lines in: a line hardly wider than the blur of lens and sensor looks wider than it is, by a width
-/// that follows from both. `field` is positive on the feather as seen.
-fn sharpen(field: &mut Plane, kept: &GrayImage, thick: &GrayImage, pixel: f32) {
+/// The field with the edges of thin lines drawn in: a line hardly wider than the blur of lens and sensor looks wider than it is,
+/// by a width that follows from both.
+fn sharpened(field: &Plane, kept: &GrayImage, thick: &GrayImage, pixel: f32) -> Plane {
     let near = morphology::dilate(kept, Norm::L2, 3);
     let seen = Plane {
         data: field
@@ -208,21 +208,19 @@ fn sharpen(field: &mut Plane, kept: &GrayImage, thick: &GrayImage, pixel: f32) {
         .map(|i| width.data[i])
         .collect();
     if widths.is_empty() {
-        return;
+        return field.clone();
     }
     // Even a hair shows as wide as the blur: 2.36 standard deviations at half of its height.
     let blur = (BLUR * pixel)
         .max(0.6)
         .min(quantile(&mut widths, 0.1) / 2.36);
-    let flat = field.clone();
-    for y in 0..field.height {
-        for x in 0..field.width {
-            let i = y * field.width + x;
-            if thick.as_raw()[i] == 0 && near.as_raw()[i] > 0 {
-                field.data[i] -= flat.gradient(x, y).length() * spread::excess(width.data[i], blur);
-            }
+    Plane::from_fn(field.width, field.height, |x, y| {
+        let i = y * field.width + x;
+        if thick.as_raw()[i] > 0 || near.as_raw()[i] == 0 {
+            return field.data[i];
         }
-    }
+        field.data[i] - field.gradient(x, y).length() * spread::excess(width.data[i], blur)
+    })
 }
 
 /// A bay of the outline.

@@ -301,6 +301,24 @@ fn remove_shadow(
     gone
 }
 
+/// Fills rows that a mask leaves out between others with those of `kept`: where a thin shaft leaves its vane, the field may lose it.
+fn bridge(mask: &mut GrayImage, kept: &GrayImage) {
+    let on: Vec<bool> = mask
+        .rows()
+        .map(|mut row| row.any(|pixel| pixel[0] > 0))
+        .collect();
+    let (Some(first), Some(last)) = (on.iter().position(|&on| on), on.iter().rposition(|&on| on))
+    else {
+        return;
+    };
+    for (x, y, pixel) in mask.enumerate_pixels_mut() {
+        let row = y as usize;
+        if (first..=last).contains(&row) && !on[row] {
+            *pixel = *kept.get_pixel(x, y);
+        }
+    }
+}
+
 /// Cuts the feather out. `open` is the radius below which what sticks out of it is taken off (lines of a grid), `close` that
 /// of gaps which are closed, `band` the width along the outline over which the threshold adapts; `valid` is 0 beyond the photograph.
 pub(super) fn segment(
@@ -393,10 +411,10 @@ pub(super) fn segment(
                 f32::from(u8::from(inside(y * width + x)))
             }),
         };
-        let (edge_field, [in_shadow, likely]) = edge::field(&scene, &kept, low, band);
-        field = edge_field;
+        let ([seen, sharp], [in_shadow, likely]) = edge::field(&scene, &kept, low, band);
+        field = sharp;
         let near_kept = morphology::dilate(&kept, Norm::L2, 3);
-        let mut refined = mask_of(&field, |i, value| value > 0.0 && near_kept.as_raw()[i] > 0);
+        let mut refined = mask_of(&seen, |i, value| value > 0.0 && near_kept.as_raw()[i] > 0);
         // Deep inside, a pattern of the background's colour is feather all the same; less deep, unless it may be shadow.
         let core = morphology::erode(&kept, Norm::L2, close.max(3));
         let deep = morphology::erode(&kept, Norm::L2, (1.5 * band) as u8);
@@ -417,6 +435,7 @@ pub(super) fn segment(
                 *pixel |= filled.as_raw()[i] & kept.as_raw()[i];
             }
         }
+        bridge(&mut refined, &kept);
         let whole = refined.clone();
         if open > 0 {
             refined = morphology::open(&refined, Norm::L2, 1);
