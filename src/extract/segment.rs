@@ -257,7 +257,9 @@ fn remove_shadow(
             let big = region.area > total as f32 / 300.0 + 8.0 && region.area < 0.7 * total as f32;
             let outside = region.rim > 0.15 * region.area.sqrt();
             let sharpness = region.slope * region.area / (region.rim * region.depth).max(1e-6);
-            let narrow = upright && region.inner < 0.5 * region.area;
+            let narrow = upright
+                && region.inner < 0.5 * region.area
+                && region.area < 0.02 * height as f32 * region.rim;
             let plain = region.detail < (1.4 * grain + 0.0008) * region.inner
                 || narrow && region.along < (1.4 * grain_along + 0.0008) * region.inner;
             // Too narrow to tell: the edge decides.
