@@ -2,7 +2,8 @@
 //!
 //! `cargo run --features extract --example extract_charts [folder] [photographs]` (default `docs/charts`, 520; the least is 39).
 //! `--corpus FOLDER PHOTOGRAPHS FIRST` judges photographs FIRST, FIRST + 1, ... alone, without the sweeps, and writes a line for each
-//! to the error output as it is done: photographs that no parameter was tuned on. `--photograph PRESET FILE` writes one of them. The picture of 12 megapixels is extracted by a process of its own, whose time
+//! to the error output as it is done: photographs that no parameter was tuned on. Each photograph has its line in `extract_cases.csv`,
+//! each feather in `extract_summary.csv`. `--photograph PRESET FILE` writes one of them. The picture of 12 megapixels is extracted by a process of its own, whose time
 //! and memory are printed; `--large [folder]` does that alone.
 
 mod chart;
@@ -91,8 +92,8 @@ fn corpus(folder: &Path, first: u64, count: u64) -> Result<()> {
         rayon::current_num_threads()
     );
     Report::of(&cases).print();
-    println!("\n| background | photographs | Dice | rachis | albedo |");
-    println!("|---|---|---|---|---|");
+    println!("\n| background | photographs | Dice | rachis | albedo | lowest Dice |");
+    println!("|---|---|---|---|---|---|");
     for background in Background::ALL {
         let part: Vec<Case> = cases
             .iter()
@@ -101,8 +102,10 @@ fn corpus(folder: &Path, first: u64, count: u64) -> Result<()> {
             .collect();
         line(&format!("{background:?}"), &part);
     }
-    println!("\n| feather | photographs | Dice | rachis | albedo |");
-    println!("|---|---|---|---|---|");
+    println!("\n| feather | photographs | Dice | rachis | albedo | lowest Dice |");
+    println!("|---|---|---|---|---|---|");
+    let mut summary =
+        String::from("feather,photographs,dice,lowest dice,rachis,largest rachis,albedo,refused\n");
     for feather in presets::all() {
         let part: Vec<Case> = cases
             .iter()
@@ -110,10 +113,13 @@ fn corpus(folder: &Path, first: u64, count: u64) -> Result<()> {
             .cloned()
             .collect();
         line(&feather.name, &part);
+        summarise(&mut summary, &feather.name, &part)?;
     }
+    summarise(&mut summary, "all", &cases)?;
+    fs::write(folder.join("extract_summary.csv"), summary)?;
     let mut text = String::from(
         "seed,feather,width,height,background,contrast,pixels per length,rotation,blur,noise,jpeg,dice,asset dice,rachis,turned,\
-         angle left,angle right,albedo,edges,confidence,seconds,refused\n",
+         angle left,angle right,albedo,edges,confidence,seconds,refused,sure left,sure right\n",
     );
     for case in &cases {
         writeln!(text, "{}", row(case))?;
@@ -130,13 +136,31 @@ fn corpus(folder: &Path, first: u64, count: u64) -> Result<()> {
 
 fn line(name: &str, cases: &[Case]) {
     let report = Report::of(cases);
+    let least = cases.iter().map(Case::dice).fold(1.0, f64::min);
     println!(
-        "| {name} | {} | {:.4} | {:.4} | {:.4} |",
+        "| {name} | {} | {:.4} | {:.4} | {:.4} | {least:.4} |",
         cases.len(),
         report.dice.mean,
         report.rachis.mean,
         report.albedo.mean
     );
+}
+
+/// A line of the summary.
+fn summarise(text: &mut String, name: &str, cases: &[Case]) -> Result<()> {
+    let report = Report::of(cases);
+    let lowest = cases.iter().map(Case::dice).fold(1.0, f64::min);
+    let largest = cases.iter().map(Case::rachis).fold(0.0, f64::max);
+    writeln!(
+        text,
+        "{name},{},{:.4},{lowest:.4},{:.5},{largest:.5},{:.4},{}",
+        cases.len(),
+        report.dice.mean,
+        report.rachis.mean,
+        report.albedo.mean,
+        report.refused
+    )?;
+    Ok(())
 }
 
 fn row(case: &Case) -> String {
@@ -158,7 +182,7 @@ fn row(case: &Case) -> String {
     );
     match &case.scores {
         Ok(found) => format!(
-            "{head},{:.4},{:.4},{:.5},{},{},{},{},{},{:.2},{:.2},",
+            "{head},{:.4},{:.4},{:.5},{},{},{},{},{},{:.2},{:.2},,{},{}",
             found.dice,
             found.asset,
             found.rachis,
@@ -168,9 +192,11 @@ fn row(case: &Case) -> String {
             given(found.albedo.rms),
             given(found.albedo.edges),
             found.confidence,
-            case.seconds
+            case.seconds,
+            given(found.sure_angle[0]),
+            given(found.sure_angle[1])
         ),
-        Err(error) => format!("{head},0,0,1,,,,,,0,{:.2},{error:?}", case.seconds),
+        Err(error) => format!("{head},0,0,1,,,,,,0,{:.2},{error:?},,", case.seconds),
     }
 }
 

@@ -1,7 +1,10 @@
 //! Pixels as colours in Oklab.
 
 use super::raster::Plane;
-use bevy::color::{LinearRgba, Oklaba};
+use bevy::{
+    color::{ColorToComponents, LinearRgba, Oklaba},
+    math::Vec3,
+};
 use image::RgbaImage;
 use std::sync::LazyLock;
 
@@ -32,6 +35,18 @@ pub(super) fn encode(linear: f32) -> u8 {
 pub(super) fn oklab(rgb: [u8; 3]) -> [f32; 3] {
     let [r, g, b] = rgb.map(|c| LINEAR[usize::from(c)]);
     let lab = Oklaba::from(LinearRgba::rgb(r, g, b));
+    [lab.lightness, lab.a, lab.b]
+}
+
+/// Linear light of Oklab.
+pub(super) fn linear(lab: [f32; 3]) -> Vec3 {
+    let linear = LinearRgba::from(Oklaba::lab(lab[0], lab[1], lab[2]));
+    Vec3::new(linear.red, linear.green, linear.blue)
+}
+
+/// Oklab of linear light.
+pub(super) fn oklab_of(linear: Vec3) -> [f32; 3] {
+    let lab = Oklaba::from(LinearRgba::from_vec3(linear));
     [lab.lightness, lab.a, lab.b]
 }
 

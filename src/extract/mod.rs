@@ -30,6 +30,7 @@ mod segment;
 mod settings;
 mod shaft;
 mod silhouette;
+mod spread;
 
 pub use confidence::{Confidence, Doubt, Trust};
 pub use error::ExtractError;

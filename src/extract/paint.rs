@@ -3,7 +3,7 @@
 use super::{
     AlbedoFilter, CardFrame, ExtractSettings,
     colour::{LINEAR, encode},
-    raster::Plane,
+    raster::{Plane, median},
     score::Score,
     shaft::Shaft,
     silhouette::Silhouette,
@@ -15,6 +15,37 @@ use image::{Rgba, RgbaImage};
 const ROUNDS: usize = 4;
 /// Difference of encoded colour that counts as a border of a pattern.
 const BORDER: f32 = 0.07;
+
+/// Brightness of the shaft over that of the vane painted beneath it, the median along its middle part, 0.25..4: what the feather's
+/// own share of colour for the shaft has to be.
+pub(super) fn shaft_share(
+    cut: &Silhouette,
+    shaft: &Shaft,
+    frame: &CardFrame,
+    albedo: &RgbaImage,
+) -> f32 {
+    let light = |pixel: &Rgba<u8>| {
+        let [r, g, b, _] = pixel.0.map(|byte| LINEAR[usize::from(byte)]);
+        0.21 * r + 0.72 * g + 0.07 * b
+    };
+    let rows = shaft.x.len();
+    let mut shares: Vec<f32> = (rows / 5..rows * 4 / 5)
+        .filter_map(|i| {
+            let y = (shaft.rows.0 + i) as f32 + 0.5;
+            let p = Vec2::new(shaft.at(y), y);
+            let seen = cut.image.get_pixel_checked(p.x as u32, p.y as u32)?;
+            let uv = frame.uv(cut.view.photo(p));
+            let size = Vec2::new(albedo.width() as f32, albedo.height() as f32);
+            let texel = (uv * size).max(Vec2::ZERO);
+            let under = light(albedo.get_pixel_checked(texel.x as u32, texel.y as u32)?);
+            (under > 0.002).then(|| light(seen) / under)
+        })
+        .collect();
+    if shares.is_empty() {
+        return 1.0;
+    }
+    median(&mut shares).clamp(0.25, 4.0)
+}
 
 /// Albedo image of the card at `frame`; `aspect` is its width over its length, `radius` that of the shaft in pixels of the view
 /// by row share from base to tip.

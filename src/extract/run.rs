@@ -118,7 +118,7 @@ pub fn extract(
     judge_exposure(&cut, &mut confidence);
 
     progress(Progress::begin(Stage::Assemble));
-    let feather = assemble::assemble(
+    let mut feather = assemble::assemble(
         &cut,
         &card,
         radius,
@@ -127,6 +127,7 @@ pub fn extract(
         settings,
         &mut confidence,
     )?;
+    feather.albedo.share.rachis = paint::shaft_share(&cut, &shaft, &card.frame, &albedo);
     let contour: Vec<Vec2> = cut.outline.iter().map(|p| cut.view.photo(*p)).collect();
     let mask = outline::fill(&contour, photograph.width(), photograph.height());
     let (score_width, score_height) = (cut.view.width as u32, cut.view.height as u32);

@@ -16,7 +16,9 @@ use imageproc::{
 };
 
 /// Largest distance to the background that still counts; beyond it all is equally feather.
-const FAR: f32 = 0.6;
+pub(super) const FAR: f32 = 0.6;
+/// A shadow falls no further than this share of the feather's length.
+const SHADOW: f32 = 0.045;
 const ON: Luma<u8> = Luma([255]);
 const OFF: Luma<u8> = Luma([0]);
 
@@ -181,8 +183,15 @@ pub(super) fn with_thin_ends(kept: &GrayImage, loose: &GrayImage) -> GrayImage {
     all
 }
 
-/// Takes soft-edged regions of the background's own hue, only darker, out of the mask. Returns how many pixels went.
-fn remove_shadow(mask: &mut GrayImage, lab: &Lab, behind: &[[f32; 3]], far: &Plane) -> u32 {
+/// Takes soft-edged regions of the background's own hue, only darker, out of the mask; `upright` says that the feather lies along
+/// y. Returns how many pixels went.
+fn remove_shadow(
+    mask: &mut GrayImage,
+    lab: &Lab,
+    behind: &[[f32; 3]],
+    far: &Plane,
+    upright: bool,
+) -> u32 {
     let (width, height) = mask.dimensions();
     let like_shadow = GrayImage::from_fn(width, height, |x, y| {
         let i = (y * width + x) as usize;
@@ -195,16 +204,17 @@ fn remove_shadow(mask: &mut GrayImage, lab: &Lab, behind: &[[f32; 3]], far: &Pla
     // A vane of the background's hue shows barbs, a shadow only the background's own grain.
     let light = &lab.planes[0];
     let detail = light.zip(&light.blur(1.5), |a, b| (a - b).abs());
+    // A shadow as narrow as a bristle's is all slope across, but even along the feather.
+    let along = light.zip(&light.blur_down(1.5), |a, b| (a - b).abs());
     let inner = morphology::erode(&like_shadow, Norm::L2, 3);
     let away = morphology::dilate(mask, Norm::L2, 3);
-    let grain: Vec<f32> = detail
-        .data
-        .iter()
-        .zip(away.as_raw())
-        .filter(|(_, m)| **m == 0)
-        .map(|(d, _)| *d)
-        .collect();
-    let grain = grain.iter().sum::<f32>() / grain.len().max(1) as f32;
+    let [grain, grain_along] = [&detail, &along].map(|detail| {
+        let outside = detail.data.iter().zip(away.as_raw());
+        let outside = outside.filter(|(_, m)| **m == 0);
+        let (sum, count) =
+            outside.fold((0.0, 0.0f32), |(sum, count), (d, _)| (sum + d, count + 1.0));
+        sum / count.max(1.0)
+    });
 
     #[derive(Clone, Copy, Default)]
     struct Region {
@@ -215,6 +225,7 @@ fn remove_shadow(mask: &mut GrayImage, lab: &Lab, behind: &[[f32; 3]], far: &Pla
         depth: f32,
         inner: f32,
         detail: f32,
+        along: f32,
     }
     let mut regions = vec![Region::default(); count + 1];
     for y in 1..height.saturating_sub(1) {
@@ -230,6 +241,7 @@ fn remove_shadow(mask: &mut GrayImage, lab: &Lab, behind: &[[f32; 3]], far: &Pla
             if inner.as_raw()[i] > 0 {
                 region.inner += 1.0;
                 region.detail += detail.data[i];
+                region.along += along.data[i];
             }
             let beside = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
             if beside.iter().any(|&(x, y)| mask.get_pixel(x, y)[0] == 0) {
@@ -245,7 +257,11 @@ fn remove_shadow(mask: &mut GrayImage, lab: &Lab, behind: &[[f32; 3]], far: &Pla
             let big = region.area > total as f32 / 300.0 + 8.0 && region.area < 0.7 * total as f32;
             let outside = region.rim > 0.15 * region.area.sqrt();
             let sharpness = region.slope * region.area / (region.rim * region.depth).max(1e-6);
-            let plain = region.detail < (1.4 * grain + 0.0008) * region.inner;
+            let narrow = upright
+                && region.inner < 0.5 * region.area
+                && region.area < 0.02 * height as f32 * region.rim;
+            let plain = region.detail < (1.4 * grain + 0.0008) * region.inner
+                || narrow && region.along < (1.4 * grain_along + 0.0008) * region.inner;
             // Too narrow to tell: the edge decides.
             let limit = match region.inner > 0.1 * region.area {
                 true if plain => 0.3,
@@ -255,14 +271,54 @@ fn remove_shadow(mask: &mut GrayImage, lab: &Lab, behind: &[[f32; 3]], far: &Pla
             i > 0 && big && outside && sharpness < limit
         })
         .collect();
+    // A bare quill of the background's hue sticks out further than a shadow falls.
+    let mut rows = vec![(0u32, 0u32); height as usize];
+    for ((_, y, pixel), label) in mask.enumerate_pixels().zip(labels.as_raw()) {
+        if pixel[0] > 0 {
+            let (dark, all) = &mut rows[y as usize];
+            *dark += u32::from(soft[*label as usize]);
+            *all += 1;
+        }
+    }
+    let mut ends = [0; 2];
+    for end in &mut ends {
+        let first = rows.iter().position(|&(_, all)| all > 0).unwrap_or(0);
+        let rest = rows[first..]
+            .iter()
+            .position(|&(dark, all)| dark * 4 < all * 3);
+        let quill = rest.unwrap_or(0);
+        if upright && quill as f32 > SHADOW * height as f32 {
+            *end = first + quill;
+        }
+        rows.reverse();
+    }
+    let inner = ends[0] as u32..height - (ends[1] as u32).min(height);
     let mut gone = 0;
-    for (pixel, label) in mask.iter_mut().zip(labels.as_raw()) {
-        if soft[*label as usize] {
-            *pixel = 0;
+    for ((_, y, pixel), label) in mask.enumerate_pixels_mut().zip(labels.as_raw()) {
+        if soft[*label as usize] && inner.contains(&y) {
+            pixel[0] = 0;
             gone += 1;
         }
     }
     gone
+}
+
+/// Fills rows that a mask leaves out between others with those of `kept`: where a thin shaft leaves its vane, the field may lose it.
+fn bridge(mask: &mut GrayImage, kept: &GrayImage) {
+    let on: Vec<bool> = mask
+        .rows()
+        .map(|mut row| row.any(|pixel| pixel[0] > 0))
+        .collect();
+    let (Some(first), Some(last)) = (on.iter().position(|&on| on), on.iter().rposition(|&on| on))
+    else {
+        return;
+    };
+    for (x, y, pixel) in mask.enumerate_pixels_mut() {
+        let row = y as usize;
+        if (first..=last).contains(&row) && !on[row] {
+            *pixel = *kept.get_pixel(x, y);
+        }
+    }
 }
 
 /// Cuts the feather out. `open` is the radius below which what sticks out of it is taken off (lines of a grid), `close` that
@@ -272,9 +328,8 @@ pub(super) fn segment(
     background: &Background,
     place: &dyn Fn(usize, usize) -> Vec2,
     valid: Option<&Plane>,
-    open: u8,
-    close: u8,
-    band: f32,
+    [open, close]: [u8; 2],
+    [band, pixel]: [f32; 2],
 ) -> Segment {
     let (width, height) = (lab.width(), lab.height());
     let behind: Vec<[f32; 3]> = (0..height)
@@ -331,7 +386,7 @@ pub(super) fn segment(
     });
     let mut mask = hysteresis(&low_mask, &high_mask);
     let before = mask.as_raw().iter().filter(|&&m| m > 0).count();
-    let gone = remove_shadow(&mut mask, lab, &behind, &far.blur(0.8));
+    let gone = remove_shadow(&mut mask, lab, &behind, &far.blur(0.8), band > 0.0);
     let shadow = gone as f32 / before.max(1) as f32;
     let loose = mask.clone();
     // Thin lines go first; then closing joins what a stripe of the background's colour parts.
@@ -353,14 +408,15 @@ pub(super) fn segment(
             lab,
             behind: &behind,
             far: &far,
+            pixel,
             usable: &Plane::from_fn(width, height, |x, y| {
                 f32::from(u8::from(inside(y * width + x)))
             }),
         };
-        let (edge_field, [in_shadow, likely]) = edge::field(&scene, &kept, low, band);
-        field = edge_field;
+        let ([seen, sharp], [in_shadow, likely]) = edge::field(&scene, &kept, low, band);
+        field = sharp;
         let near_kept = morphology::dilate(&kept, Norm::L2, 3);
-        let mut refined = mask_of(&field, |i, value| value > 0.0 && near_kept.as_raw()[i] > 0);
+        let mut refined = mask_of(&seen, |i, value| value > 0.0 && near_kept.as_raw()[i] > 0);
         // Deep inside, a pattern of the background's colour is feather all the same; less deep, unless it may be shadow.
         let core = morphology::erode(&kept, Norm::L2, close.max(3));
         let deep = morphology::erode(&kept, Norm::L2, (1.5 * band) as u8);
@@ -374,14 +430,25 @@ pub(super) fn segment(
                 *pixel |= inside.as_raw()[i];
             }
         }
+        // Gaps between the ends of barbs.
+        let filled = morphology::close(&refined, Norm::L2, close);
+        for (i, pixel) in refined.iter_mut().enumerate() {
+            if in_shadow.as_raw()[i] == 0 {
+                *pixel |= filled.as_raw()[i] & kept.as_raw()[i];
+            }
+        }
+        bridge(&mut refined, &kept);
         let whole = refined.clone();
         if open > 0 {
             refined = morphology::open(&refined, Norm::L2, 1);
         }
-        let (refined, refined_area, _) = largest(&refined, least);
+        let (refined, ..) = largest(&refined, least);
         let refined = with_thin_ends(&refined, &whole);
-        // A refinement that loses much of the feather was misled.
-        if refined_area as f32 > 0.6 * area as f32 {
+        // A refinement that loses much of the feather was misled; a thin line may lose half of its width.
+        let around = morphology::dilate(&refined, Norm::L2, 6);
+        let held = kept.iter().zip(around.iter());
+        let held = held.filter(|(kept, around)| **kept > 0 && **around > 0);
+        if held.count() as f32 > 0.6 * area as f32 {
             kept = refined;
         }
         bitten = edge::fill_bites(&mut kept, &scene, background.most);

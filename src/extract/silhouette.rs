@@ -133,7 +133,7 @@ fn find_background(lab: &Lab) -> (Background, Segment) {
     let ring = ring(lab);
     let mut background = Background::fit(&ring, None);
     background.find_lines(&ring);
-    let mut found = segment(lab, &background, &at, None, OVERVIEW_OPEN, 2, 0.0);
+    let mut found = segment(lab, &background, &at, None, [OVERVIEW_OPEN, 2], [0.0, 1.0]);
     for _ in 0..2 {
         let near = morphology::dilate(&found.mask, Norm::L2, 6);
         let step = (width * height / 40_000).max(1);
@@ -146,7 +146,7 @@ fn find_background(lab: &Lab) -> (Background, Segment) {
             break;
         }
         background = Background::fit(&samples, Some(&background));
-        found = segment(lab, &background, &at, None, OVERVIEW_OPEN, 2, 0.0);
+        found = segment(lab, &background, &at, None, [OVERVIEW_OPEN, 2], [0.0, 1.0]);
     }
     (background, found)
 }
@@ -285,8 +285,10 @@ pub(super) fn silhouette(
     }
     let mut rivals = found.others.iter().filter(|&&share| share > 0.3).count();
     if rivals > 0 && !by_alpha {
-        // A seam of the table, or a bare shaft that it cuts off, is large beside a small vane, but thin.
-        rivals = rivals.min(bodies(&found.loose).saturating_sub(1));
+        // A seam of the table, or a bare shaft that it cuts off, is large beside a small vane, but thin; and a vane may show as
+        // single barbs.
+        let whole = morphology::close(&found.loose, Norm::L2, 4);
+        rivals = rivals.min(bodies(&whole).saturating_sub(1));
     }
     let count = rivals + bodies(&found.mask);
     if count > 1 {
@@ -354,7 +356,14 @@ pub(super) fn silhouette(
             let open = (length / 500.0).round().clamp(1.0, 3.0) as u8;
             let close = (length / 200.0).round().clamp(2.0, 8.0) as u8;
             let band = (long / scale * 0.012).clamp(2.5, 16.0);
-            segment(&lab, background, &at, Some(&valid), open, close, band)
+            segment(
+                &lab,
+                background,
+                &at,
+                Some(&valid),
+                [open, close],
+                [band, 1.0 / scale],
+            )
         }
     };
     let points = outline::refine(&outline::border(&cut.mask), &cut.field, 2.5);

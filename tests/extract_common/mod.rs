@@ -15,6 +15,9 @@ use bevy_plumage::{
 use image::{DynamicImage, GrayImage, Luma};
 use std::time::Instant;
 
+/// Least confidence in the barbs of a vane that says that the photograph resolves them.
+const SURE: f32 = 0.7;
+
 /// Scores of an extraction that came out.
 #[derive(Clone, Debug)]
 pub struct Scores {
@@ -28,6 +31,8 @@ pub struct Scores {
     pub turned: bool,
     /// Error of the barb angle in degrees, left and right, where barbs are resolved and an angle was given.
     pub angle: [Option<f64>; 2],
+    /// The same where the extraction itself says that it saw barbs: it counted them, and doubts their angle little.
+    pub sure_angle: [Option<f64>; 2],
     /// Vanes whose barbs are resolved but got no angle.
     pub missed: usize,
     /// The same where barbs are finer than that and an angle was given nevertheless.
@@ -131,6 +136,7 @@ pub fn judge(truth: &Truth, found: &Extraction) -> Scores {
         far(end) > far(truth.rachis[0])
     });
     let mut angle = [None; 2];
+    let mut sure_angle = [None; 2];
     let mut missed = 0;
     let mut fine_angle = [None; 2];
     let mut density = [None; 2];
@@ -138,6 +144,10 @@ pub fn judge(truth: &Truth, found: &Extraction) -> Scores {
         let real = truth.barbs[side];
         let measured = found.barbs[side];
         let error = measured.map(|barbs| (f64::from(barbs.angle) - real.angle).to_degrees().abs());
+        let counted = measured.is_some_and(|barbs| barbs.count.is_some());
+        if counted && found.confidence.barbs[side].value >= SURE {
+            sure_angle[side] = error;
+        }
         if real.is_resolved() {
             angle[side] = error;
             missed += usize::from(error.is_none());
@@ -158,6 +168,7 @@ pub fn judge(truth: &Truth, found: &Extraction) -> Scores {
         rachis: line_distance(&truth.rachis, &rachis, height),
         turned,
         angle,
+        sure_angle,
         missed,
         fine_angle,
         density,
@@ -216,6 +227,10 @@ pub struct Report {
     pub rachis: Summary,
     /// Barb angle where resolved, degrees.
     pub angle: Summary,
+    /// Barb angle where the extraction says that it saw barbs.
+    pub sure_angle: Summary,
+    /// Shares of both within 4 degrees.
+    pub within: [f64; 2],
     /// Barb angle where finer.
     pub fine_angle: Summary,
     /// Relative error of the density.
@@ -239,6 +254,10 @@ pub struct Report {
 impl Report {
     /// Of these cases.
     pub fn of(cases: &[Case]) -> Self {
+        let within = |angles: Vec<f64>| {
+            let good = angles.iter().filter(|error| **error <= 4.0).count();
+            good as f64 / angles.len().max(1) as f64
+        };
         let good = || cases.iter().filter_map(|case| case.scores.as_ref().ok());
         Self {
             dice: Summary::of(cases.iter().map(Case::dice)),
@@ -249,6 +268,11 @@ impl Report {
             ),
             rachis: Summary::of(cases.iter().map(Case::rachis)),
             angle: Summary::of(good().flat_map(|s| s.angle).flatten()),
+            sure_angle: Summary::of(good().flat_map(|s| s.sure_angle).flatten()),
+            within: [
+                within(good().flat_map(|s| s.angle).flatten().collect()),
+                within(good().flat_map(|s| s.sure_angle).flatten().collect()),
+            ],
             fine_angle: Summary::of(good().flat_map(|s| s.fine_angle).flatten()),
             density: Summary::of(good().flat_map(|s| s.density).flatten()),
             albedo: Summary::of(good().filter_map(|s| s.albedo.rms)),
@@ -270,6 +294,7 @@ impl Report {
             ("contour, Dice of the asset's outline", &self.asset),
             ("rachis, mean distance over image height", &self.rachis),
             ("barb angle where resolved, degrees off", &self.angle),
+            ("the same where the extraction is sure", &self.sure_angle),
             ("barb angle where finer, degrees off", &self.fine_angle),
             ("barb density where resolved, relative error", &self.density),
             ("albedo, RMS away from patterns", &self.albedo),
@@ -285,6 +310,10 @@ impl Report {
         println!(
             "refused: {}; tip and base exchanged: {}; resolved vanes without an angle: {}",
             self.refused, self.turned, self.missed
+        );
+        println!(
+            "barb angle within 4 degrees: {:.3} of the vanes where resolved, {:.3} where the extraction is sure",
+            self.within[0], self.within[1]
         );
     }
 }
