@@ -47,6 +47,8 @@ fn perch(stage: &mut Stage, name: &str, eye: Vec3, target: Vec3) -> Entity {
     let file = format!("birds/{name}.glb");
     let world = stage.app.world_mut();
     world.entity_mut(camera).insert((
+        // Far quicker on a software adapter.
+        Msaa::Off,
         Transform::from_translation(eye).looking_at(target, Vec3::Y),
         Projection::Perspective(PerspectiveProjection {
             fov: 0.45,
@@ -66,6 +68,10 @@ fn perch(stage: &mut Stage, name: &str, eye: Vec3, target: Vec3) -> Entity {
             Resting(assets.load(label(GltfAssetLabel::Animation(0)))),
             // A quarter of the feathers, twice as large: cover stays.
             Plumage::new(assets.load(format!("grooms/{name}.groom.ron"))).with_density(0.25),
+            FeatherQuality {
+                transparency: FeatherTransparency::Hashed,
+                ..default()
+            },
             Transform::IDENTITY,
         ))
         .id();
@@ -90,6 +96,18 @@ fn everywhere(stage: &mut Stage, everywhere: bool) -> (Picture, u32) {
         .map(|state| state.drawn)
         .sum();
     (picture, drawn)
+}
+
+/// Writes a picture into `target/test_failures`.
+fn save(name: &str, picture: &Picture, (width, height): (u32, u32)) {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/target/test_failures");
+    std::fs::create_dir_all(folder).unwrap();
+    let shown = image::RgbImage::from_fn(width, height, |x, y| {
+        let [r, g, b] = picture[(y * width + x) as usize];
+        let srgb = Color::linear_rgb(r, g, b).to_srgba();
+        image::Rgb([srgb.red, srgb.green, srgb.blue].map(|c| (c * 255.0).round() as u8))
+    });
+    shown.save(format!("{folder}/{name}.png")).unwrap();
 }
 
 /// Steps of 8 bits between two pictures as they are shown: the largest, and that of all but a thousandth of the values.
@@ -117,6 +135,14 @@ fn check_rest(stage: &mut Stage, name: &str) {
     let grown = shells(stage);
     let (all, everything) = everywhere(stage, true);
     let (largest, usual) = steps_apart(&ruled, &all);
+    let apart: Picture = ruled
+        .iter()
+        .zip(&all)
+        .map(|(a, b)| [0, 1, 2].map(|k: usize| (a[k] - b[k]).abs()))
+        .collect();
+    for (kind, picture) in [("rule", &ruled), ("all", &all), ("difference", &apart)] {
+        save(&format!("down_birds_{name}_{kind}"), picture, stage.size);
+    }
     println!(
         "{name}: {drawn} tracts drawn by the rule, {everything} without it; largest difference {largest:.2}/255, P99.9 {usual:.2}/255"
     );

@@ -127,7 +127,7 @@ pub(super) fn start(
             }
             Some(Ok(_)) => {}
         }
-        let Some(found) = meshes.find(owner, &images) else {
+        let Some(found) = meshes.find(owner, &images, coat.rounds) else {
             continue;
         };
         let (down, coat, strands) = (down.clone(), coat.clone(), strands.cloned());
@@ -161,6 +161,7 @@ fn grow_one(
         tile: down.tile_metres() * factor,
         lay: Vec3::from(down.lay),
         offset: Vec2::new(shift(coat.seed), shift(coat.seed >> 16)),
+        tinted: true,
     };
     let shell =
         PackedShell::build(&skin, |_| true, None, &shape).map_err(|error| error.to_string())?;

@@ -40,6 +40,8 @@ pub struct ShellShape {
     pub lay: Vec3,
     /// Where on the tile the mesh lies.
     pub offset: Vec2,
+    /// Whether the colours of the skin are those of the coat.
+    pub tinted: bool,
 }
 
 /// A shell ready to be uploaded.
@@ -151,7 +153,7 @@ impl PackedShell {
                 .and_then(|lay| lay.get(*skin.node_of.get(source)? as usize))
                 .copied()
                 .unwrap_or(shape.lay);
-            let colour = colour_word(skin.colors.get(source));
+            let colour = colour_word(skin.colors.get(source).filter(|_| shape.tinted));
             put(
                 &mut rest,
                 [along.x, along.y, along.z, f32::from_bits(colour)],

@@ -168,6 +168,8 @@ pub(super) fn tend_tracts(
                                     tile: down.tile_metres(),
                                     lay: Vec3::from(down.lay),
                                     offset: Vec2::ZERO,
+                                    // A bird's skin is painted like the feathers over it.
+                                    tinted: false,
                                 };
                                 let chosen = |t: usize| own.triangles.get(t) == Some(&true);
                                 let shell =

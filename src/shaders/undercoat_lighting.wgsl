@@ -10,7 +10,7 @@
     scattering_albedo,
     sky_irradiance,
 }
-#import bevy_plumage::down_march::extinction_sine
+#import bevy_plumage::down_march::{extinction_sine, lean_shift}
 #import bevy_plumage::down_transfer::{
     Four,
     TransferBands,
@@ -86,8 +86,15 @@ struct Place {
     // Change of the place in the tile per height of the coat, towards a direction: of u and of v.
     grad_u: vec3<f32>,
     grad_v: vec3<f32>,
+    // The same along the lay.
+    lean: vec2<f32>,
     // Level of the density that a pixel resolves.
     level: f32,
+}
+
+// Where in the upright tile the leaning fibres of a place come from.
+fn root_of(p: Place, at: vec3<f32>) -> vec3<f32> {
+    return vec3(at.xy - p.lean * lean_shift(at.z, data::coat.shape.x), at.z);
 }
 
 // Share of a light that reaches a place, by a march through the tile.
@@ -105,7 +112,8 @@ fn marched_visibility(p: Place, light: vec3<f32>, count: u32) -> f32 {
         let x = step.x * way;
         // A bent skin falls away below the ray.
         let rise = 0.5 * CURVATURE * x * x * (1.0 - mu * mu);
-        depth += data::extinction_at(p.at + x * slope + vec3(0.0, 0.0, rise), p.level) * (step.y * way);
+        let at = root_of(p, p.at + x * slope + vec3(0.0, 0.0, rise));
+        depth += data::extinction_at(at, p.level) * (step.y * way);
     }
     return exp(-depth * sine);
 }
@@ -124,7 +132,7 @@ fn column_visibility(p: Place, light: vec3<f32>) -> f32 {
 
 // What of the light from all around reaches a place: four numbers, turned into the world.
 fn transfer_at(p: Place) -> Four {
-    let texel = textureSampleLevel(data::transfer_texture, data::tile_sampler, p.at, 0.0);
+    let texel = textureSampleLevel(data::transfer_texture, data::tile_sampler, root_of(p, p.at), 0.0);
     let x = p.grad_u / max(length(p.grad_u), 1e-9);
     let y = p.grad_v / max(length(p.grad_v), 1e-9);
     return transfer_rotate(transfer_decode(texel, TransferBands(data::coat.bands)), mat3x3(x, y, p.normal));
