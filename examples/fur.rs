@@ -101,7 +101,7 @@ fn strands(args: &Args) -> Option<GuardStrands> {
         }),
         FurMode::Hybrid => Some(GuardStrands {
             density: 40.0,
-            length_mm: (if args.mesh.is_some() { 27.0 } else { 16.0 }, 0.3),
+            length_mm: (if args.mesh.is_some() { 22.0 } else { 16.0 }, 0.3),
             radius_um: 60.0,
             fade: 0.6,
             ..hairs

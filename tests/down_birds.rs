@@ -79,6 +79,26 @@ fn perch(stage: &mut Stage, name: &str, eye: Vec3, target: Vec3) -> Entity {
     bird
 }
 
+/// Pixels along a side of the pictures compared.
+const SIDE: u32 = 48;
+/// Samples of each along a side: hashed feathers have one a sample, and noise that is not the down's.
+const SAMPLES: u32 = 6;
+
+/// The picture with its samples averaged.
+fn reduced(stage: &mut Stage) -> Picture {
+    let samples = stage.picture();
+    let weight = 1.0 / (SAMPLES * SAMPLES) as f32;
+    let mut picture = vec![[0.0; 3]; (SIDE * SIDE) as usize];
+    for (i, sample) in samples.iter().enumerate() {
+        let (x, y) = (i as u32 % stage.size.0, i as u32 / stage.size.0);
+        let pixel = &mut picture[(y / SAMPLES * SIDE + x / SAMPLES) as usize];
+        for (sum, value) in pixel.iter_mut().zip(sample) {
+            *sum += weight * value;
+        }
+    }
+    picture
+}
+
 /// Draws the down of every tract whatever lies over it, or by the rule.
 fn everywhere(stage: &mut Stage, everywhere: bool) -> (Picture, u32) {
     let usual = UndercoatSettings::default();
@@ -89,7 +109,7 @@ fn everywhere(stage: &mut Stage, everywhere: bool) -> (Picture, u32) {
         .skip_error = if everywhere { 0.0 } else { usual.skip_error };
     stage.frame();
     settle(stage);
-    let picture = stage.picture();
+    let picture = reduced(stage);
     let mut states = stage.app.world_mut().query::<&UndercoatState>();
     let drawn = states
         .iter(stage.app.world())
@@ -141,7 +161,7 @@ fn check_rest(stage: &mut Stage, name: &str) {
         .map(|(a, b)| [0, 1, 2].map(|k: usize| (a[k] - b[k]).abs()))
         .collect();
     for (kind, picture) in [("rule", &ruled), ("all", &all), ("difference", &apart)] {
-        save(&format!("down_birds_{name}_{kind}"), picture, stage.size);
+        save(&format!("down_birds_{name}_{kind}"), picture, (SIDE, SIDE));
     }
     println!(
         "{name}: {drawn} tracts drawn by the rule, {everything} without it; largest difference {largest:.2}/255, P99.9 {usual:.2}/255"
@@ -156,7 +176,7 @@ fn check_rest(stage: &mut Stage, name: &str) {
 #[test]
 #[ignore = "minutes on a software adapter"]
 fn a_parrot_at_rest_needs_no_down_and_a_ruffled_one_shows_it() {
-    let Some(mut stage) = Stage::sized(96, 96) else {
+    let Some(mut stage) = Stage::sized(SIDE * SAMPLES, SIDE * SAMPLES) else {
         return;
     };
     let (eye, target) = (Vec3::new(0.75, 0.25, 0.8), Vec3::new(0.0, 0.1, 0.0));
@@ -181,7 +201,9 @@ fn a_parrot_at_rest_needs_no_down_and_a_ruffled_one_shows_it() {
     for _ in 0..2 {
         stage.frame();
     }
-    let bare = stage.picture();
+    let bare = reduced(&mut stage);
+    save("down_birds_parrot_ruffled", &ruffled, (SIDE, SIDE));
+    save("down_birds_parrot_ruffled_bare", &bare, (SIDE, SIDE));
     let paler = ruffled
         .iter()
         .zip(&bare)
@@ -194,7 +216,7 @@ fn a_parrot_at_rest_needs_no_down_and_a_ruffled_one_shows_it() {
 #[test]
 #[ignore = "a minute: the larger bird"]
 fn an_eagle_at_rest_needs_no_down() {
-    let Some(mut stage) = Stage::sized(96, 96) else {
+    let Some(mut stage) = Stage::sized(SIDE * SAMPLES, SIDE * SAMPLES) else {
         return;
     };
     let (eye, target) = (Vec3::new(1.5, 0.5, 1.6), Vec3::new(0.0, 0.2, 0.0));

@@ -224,7 +224,11 @@ fn no_ray_is_lost_on_a_bending_skin() {
         let holes = holes_in(&picture);
         println!("frame {frame}: {holes}");
         if holes > 0 {
-            save_strip(&format!("holes_{frame}"), std::slice::from_ref(&picture), stage.size);
+            save_strip(
+                &format!("holes_{frame}"),
+                std::slice::from_ref(&picture),
+                stage.size,
+            );
         }
         total += holes;
     }

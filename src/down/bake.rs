@@ -6,7 +6,7 @@ use super::{
     march::extinction_sine,
     material::COLUMN,
     texture::{self, Fur, fur_tile},
-    tier::column_correction,
+    tier::tier_correction,
     transfer::{Transfer, TransferSettings, bake, transfer_texture},
 };
 use bevy::{
@@ -48,8 +48,8 @@ pub(super) struct Table {
     pub column: [Vec4; COLUMN / 4],
     /// How the higher bands of the transfer follow from its four numbers.
     pub bands: [Vec4; 8],
-    /// [`column_correction`].
-    pub correction: [Vec4; 16],
+    /// [`tier_correction`].
+    pub correction: [Vec4; 18],
 }
 
 /// A baked down on its way to the GPU.
@@ -256,7 +256,7 @@ fn bake_tile(down: &Down) -> Result<TileBake, DownError> {
             (coarse.size(), bytes, transfer.bands.vec4s().map(Vec4::from))
         }
     };
-    let correction = column_correction(&density, CORRECTION_RAYS);
+    let correction = tier_correction(&density, CORRECTION_RAYS);
     Ok(TileBake {
         size: tile.size(),
         levels: levels.len() as u32,

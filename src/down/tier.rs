@@ -2,16 +2,15 @@
 
 use super::{
     Density,
-    slab::{Coat, LightModel, SlabRay, SlabSettings, slab_radiance, slab_sky},
+    slab::{Coat, SlabRay, SlabSettings, slab_radiance, slab_sky},
 };
 use crate::query::math::{Real, clamp};
 
 /// Thickness in pixels from which the near tier, and the middle tier, draw.
 pub const TIER_PX: [f64; 2] = [12.0, 3.0];
 
-/// Width of a transition, as a share of its thickness. The study's 0.25 changes three times as much from frame to frame; the shares of one
-/// march blend here, so that a wide transition costs no more.
-pub const TRANSITION: f64 = 0.8;
+/// Width of a transition, as a share of its thickness.
+pub const TRANSITION: f64 = 0.25;
 
 /// Contrast of down against a skin tinted with its mean colour (an estimate of the study).
 pub const CONTRAST: f64 = 0.3;
@@ -206,40 +205,46 @@ impl FarTable {
     }
 }
 
-/// What the light by the mean column must be multiplied with, that its mean is that of the light marched by four steps:
-/// `eye + FAR_SIZE * light` over [`far_cosine`], 0.25..=4. From `rays` rays a node and azimuth; the coat's colour hardly matters.
-pub fn column_correction(density: &Density, rays: u32) -> [f32; FAR_SIZE * FAR_SIZE] {
+/// What the middle tier must be multiplied with, that its mean is that of the near one, 0.25..=4: of the light,
+/// `eye + FAR_SIZE * light` over [`far_cosine`], then of the sky by the eye. From `rays` rays a node and azimuth; the coat's colour
+/// hardly matters.
+pub fn tier_correction(density: &Density, rays: u32) -> [f32; FAR_SIZE * (FAR_SIZE + 1)] {
     let coat = Coat {
         albedo: [0.8f32; 3],
         skin: [0.4; 3],
     };
-    let column = SlabSettings {
-        light: LightModel::MeanColumn,
-        ..SlabSettings::near()
-    };
+    let (near, middle) = (SlabSettings::near(), SlabSettings::middle());
     let count = 2 * rays.clamp(1, 65_536);
+    let ray = |i: u32, eye: f32, light: f32| {
+        let share = |step: f64| (f64::from(i) * step).fract() as f32;
+        let turn = std::f32::consts::TAU * share(0.754_877_666_246_693);
+        let apart = if i.is_multiple_of(2) { 60.0f32 } else { 120.0 }.to_radians();
+        let direction = |cosine: f32, azimuth: f32| {
+            let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+            [sine * azimuth.cos(), sine * azimuth.sin(), cosine]
+        };
+        SlabRay {
+            place: [
+                (i as f32 + 0.5) / count as f32,
+                share(0.618_033_988_749_895),
+            ],
+            eye: direction(eye, turn),
+            light: direction(light, turn + apart),
+        }
+    };
     std::array::from_fn(|node| {
         let eye = far_cosine(node % FAR_SIZE);
-        let light = far_cosine(node / FAR_SIZE);
         let (mut fine, mut rough) = (0.0, 0.0);
         for i in 0..count {
-            let share = |step: f64| (f64::from(i) * step).fract() as f32;
-            let turn = std::f32::consts::TAU * share(0.754_877_666_246_693);
-            let apart = if i % 2 == 0 { 60.0f32 } else { 120.0 }.to_radians();
-            let direction = |cosine: f32, azimuth: f32| {
-                let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-                [sine * azimuth.cos(), sine * azimuth.sin(), cosine]
-            };
-            let ray = SlabRay {
-                place: [
-                    (i as f32 + 0.5) / count as f32,
-                    share(0.618_033_988_749_895),
-                ],
-                eye: direction(eye, turn),
-                light: direction(light, turn + apart),
-            };
-            fine += slab_radiance(density, &coat, &ray, &SlabSettings::near())[1];
-            rough += slab_radiance(density, &coat, &ray, &column)[1];
+            if node < FAR_SIZE * FAR_SIZE {
+                let ray = ray(i, eye, far_cosine(node / FAR_SIZE));
+                fine += slab_radiance(density, &coat, &ray, &near)[1];
+                rough += slab_radiance(density, &coat, &ray, &middle)[1];
+            } else {
+                let ray = ray(i, eye, 1.0);
+                fine += slab_sky(density, &coat, &ray, &near)[1];
+                rough += slab_sky(density, &coat, &ray, &middle)[1];
+            }
         }
         (fine / rough.max(1e-6)).clamp(0.25, 4.0)
     })

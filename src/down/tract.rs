@@ -3,12 +3,13 @@
 use super::{
     Down, Undercoat, UndercoatSettings, UndercoatState,
     bake::Bakes,
+    material::UndercoatMaterial,
     pack::{PackedShell, ShellShape},
     tier::{CONTRAST, cover_now, is_drawn},
     wear::{Grown, Stores, Wear},
 };
 use crate::{
-    groom::{Groom, PlumageCards, PlumageGround},
+    groom::{Groom, Ground, PlumageCards, PlumageGround, SkinMesh},
     render::{RUFFLE_LIFT, Ruffle},
 };
 use bevy::{
@@ -28,6 +29,49 @@ pub fn draws_down(cover: f32, lift: f32, error: f32, drawn: bool) -> bool {
     let limit = OPEN_LIFT * if drawn { 0.7 } else { 1.0 };
     let cover = cover_now(cover, lift, 1.0, 0.0);
     lift > limit || error <= 0.0 || is_drawn(cover, 0.0, CONTRAST as f32, error, drawn)
+}
+
+/// Share by which the down of a tract has its own colour: feathers at rest hide it so well that it passes for the skin, which is painted
+/// like them; those raised by twice the limit show all of it. `cover` and `lift` as in [`draws_down`].
+pub fn own_colour(cover: f32, lift: f32, error: f32) -> f32 {
+    if is_drawn(cover, 0.0, CONTRAST as f32, error.max(1e-6), false) && error > 0.0 {
+        return 1.0;
+    }
+    let x = (lift / OPEN_LIFT - 0.7).clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
+/// The triangles of a tract that lie further than `margin` from where no tract is: at the rim of the plumage the feathers are short.
+fn within(skin: &SkinMesh, tracts: &[Ground], own: &Ground, margin: f32) -> Vec<bool> {
+    let feathered = |t: usize| tracts.iter().any(|g| g.triangles.get(t) == Some(&true));
+    let mut sides = vec![(false, false); skin.nodes.len()];
+    let node = |v: &u32| skin.node_of.get(*v as usize).map(|n| *n as usize);
+    for (t, corners) in skin.triangles.iter().enumerate() {
+        let inside = feathered(t);
+        for side in corners.iter().filter_map(node) {
+            if let Some(side) = sides.get_mut(side) {
+                if inside { side.0 = true } else { side.1 = true }
+            }
+        }
+    }
+    let rim: Vec<Vec3> = sides
+        .iter()
+        .zip(&skin.nodes)
+        .filter(|((inside, outside), _)| *inside && *outside)
+        .map(|(_, place)| *place)
+        .collect();
+    let far = |t: usize| {
+        let corners = skin.triangles[t].map(|v| skin.positions[v as usize]);
+        rim.iter().all(|p| {
+            corners
+                .iter()
+                .all(|c| c.distance_squared(*p) >= margin * margin)
+        })
+    };
+    let count = skin.triangles.len();
+    (0..count)
+        .map(|t| own.triangles.get(t) == Some(&true) && far(t))
+        .collect()
 }
 
 enum Stage {
@@ -115,6 +159,7 @@ pub(super) fn tend_tracts(
     mut birds: Query<(Entity, &mut BirdDown, &PlumageGround, &PlumageCards)>,
     mut states: Query<&mut UndercoatState>,
     mut shown: Query<&mut Visibility>,
+    worn: Query<&MeshMaterial3d<UndercoatMaterial>>,
 ) {
     for (bird, mut tracts, ground, cards) in &mut birds {
         let groom = grooms.get(&cards.groom);
@@ -138,6 +183,10 @@ pub(super) fn tend_tracts(
                     };
                     if let Ok(mut visibility) = shown.get_mut(*entity) {
                         visibility.set_if_neq(wanted);
+                    }
+                    if let Ok(coat) = worn.get(*entity) {
+                        let share = own_colour(ground_of.cover, lift, settings.skip_error);
+                        assets.show(coat, share);
                     }
                     drawn += u32::from(tract.drawn);
                 }
@@ -168,10 +217,12 @@ pub(super) fn tend_tracts(
                                     tile: down.tile_metres(),
                                     lay: Vec3::from(down.lay),
                                     offset: Vec2::ZERO,
-                                    // A bird's skin is painted like the feathers over it.
-                                    tinted: false,
+                                    tinted: true,
                                 };
-                                let chosen = |t: usize| own.triangles.get(t) == Some(&true);
+                                let hidden = !draws_down(own.cover, 0.0, 1.0 / 255.0, false);
+                                let margin = if hidden { 2.0 * shape.height } else { 0.0 };
+                                let inner = within(&skin, &all, own, margin);
+                                let chosen = |t: usize| inner.get(t) == Some(&true);
                                 let shell =
                                     PackedShell::build(&skin, chosen, Some(&own.lay), &shape)
                                         .map_err(|error| error.to_string())?;
@@ -229,6 +280,23 @@ pub(super) fn tend_tracts(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The colour comes in only where the down is drawn already, so that drawing it shows nothing at first.
+    #[test]
+    fn down_shows_its_colour_as_feathers_rise() {
+        let error = 1.0 / 255.0;
+        assert_eq!(own_colour(8.0, 0.0, error), 0.0);
+        assert_eq!(own_colour(8.0, 0.0, 0.0), 0.0);
+        assert_eq!(own_colour(3.0, 0.0, error), 1.0);
+        assert!(own_colour(8.0, OPEN_LIFT, error) < 0.25);
+        assert_eq!(own_colour(8.0, 0.8 * RUFFLE_LIFT, error), 1.0);
+        let mut last = 0.0;
+        for i in 0..=140 {
+            let now = own_colour(8.0, i as f32 * 1e-1f32.to_radians(), error);
+            assert!(now >= last && now - last < 0.05);
+            last = now;
+        }
+    }
 
     #[test]
     fn four_feathers_hide_the_down() {

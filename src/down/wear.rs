@@ -98,6 +98,18 @@ pub(super) struct Wear<'a> {
     pub over_skin: bool,
 }
 
+impl Stores<'_> {
+    /// Gives a coat its own colour to this share, the skin's to the rest.
+    pub(super) fn show(&mut self, coat: &MeshMaterial3d<UndercoatMaterial>, share: f32) {
+        let unlike = |material: &UndercoatMaterial| (material.uniform.paint.x - share).abs() > 2e-3;
+        if self.coats.get(coat.id()).is_some_and(unlike)
+            && let Some(mut material) = self.coats.get_mut(coat.id())
+        {
+            material.uniform.paint.x = share;
+        }
+    }
+}
+
 fn storage(data: Vec<u8>, label: &'static str) -> ShaderBuffer {
     let mut buffer = ShaderBuffer::new(&data, RenderAssetUsages::RENDER_WORLD);
     buffer.buffer_description.label = Some(label);
@@ -256,6 +268,12 @@ pub(super) fn uniform_of(
             settings.tier_px[1],
             if over_skin { 0.0 } else { 1.0 },
         ),
+        // Under feathers at rest it passes for the skin.
+        paint: if over_skin {
+            Vec4::ZERO
+        } else {
+            Vec4::new(1.0, 1.0, 0.0, 0.0)
+        },
         bands: table.bands,
         column: table.column,
         correction: table.correction,

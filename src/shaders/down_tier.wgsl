@@ -14,7 +14,7 @@ struct TierMix {
 }
 
 fn tier_ramp(thickness: f32, limit: f32) -> f32 {
-    let x = clamp((thickness - limit) / (max(limit, 1e-3) * 0.8) + 0.5, 0.0, 1.0);
+    let x = clamp((thickness - limit) / (max(limit, 1e-3) * 0.25) + 0.5, 0.0, 1.0);
     return x * x * (3.0 - x - x);
 }
 

@@ -24,6 +24,7 @@
     MAX_CELLS,
     NO_FACE,
     NO_LINK,
+    PrismCorners,
     Walk,
     face_place,
     face_tet,
@@ -100,7 +101,8 @@ fn place_of(
     p.normal = frame.normal;
     p.tangent = normalize(mix(frame.normal, frame.lay, 0.999 * coat.shape.x * z));
     p.to_eye = to_eye;
-    p.albedo = frame.colour * mix(coat.colour.rgb, coat.tip_colour.rgb, z);
+    let own = mix(vec3(1.0), frame.colour, coat.paint.y) * mix(coat.colour.rgb, coat.tip_colour.rgb, z);
+    p.albedo = mix(frame.colour, own, coat.paint.x);
     p.spread = mix(coat.fibre.x, coat.fibre.y, z);
     p.grad_u = gradient.u * height;
     p.grad_v = gradient.v * height;

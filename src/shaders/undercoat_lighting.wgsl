@@ -169,7 +169,8 @@ fn coat_source(p: Place, s: Surroundings, near: f32) -> vec3<f32> {
         sum += light.color * visible * lobe * multiple_scattering(eye_mu, mu, albedo);
     }
     let sky = transfer_zonal(transfer_at(p), TransferBands(data::coat.bands), s.sky);
-    return sum + p.albedo * sky * multiple_scattering(eye_mu, 0.5, albedo);
+    let even = mix(data::sky_correction(eye_mu), 1.0, near);
+    return sum + p.albedo * sky * even * multiple_scattering(eye_mu, 0.5, albedo);
 }
 
 // Radiance of the skin below the whole coat.
