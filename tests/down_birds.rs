@@ -11,7 +11,7 @@ use bevy::{
     prelude::*,
     world_serialization::{WorldAssetRoot, WorldInstanceReady},
 };
-use bevy_plumage::{down::UndercoatShell, prelude::*};
+use bevy_plumage::{down::UndercoatShell, groom::PlumageGround, prelude::*};
 use common::app::Stage;
 use down_scene::{Picture, settle};
 
@@ -155,6 +155,11 @@ fn check_rest(stage: &mut Stage, name: &str) {
     let grown = shells(stage);
     let (all, everything) = everywhere(stage, true);
     let (largest, usual) = steps_apart(&ruled, &all);
+    let mut grounds = stage.app.world_mut().query::<&PlumageGround>();
+    for ground in grounds.iter(stage.app.world()) {
+        let least = ground.tracts.iter().map(|tract| tract.cover);
+        println!("{name}: least cover {:.2}", least.fold(f32::MAX, f32::min));
+    }
     let apart: Picture = ruled
         .iter()
         .zip(&all)

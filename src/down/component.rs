@@ -29,9 +29,9 @@ pub enum UndercoatTier {
     Auto,
     /// All steps to the eye, a march to the key light from each.
     Near,
-    /// Half the steps; light by the mean column.
+    /// Three quarters of the steps; light by the mean column.
     Mid,
-    /// A table over the angles to eye and light.
+    /// The same on a coarser level of the density.
     Far,
     /// Not drawn.
     None,

@@ -2,6 +2,7 @@
 
 use super::{
     Density,
+    march::march_mip,
     slab::{Coat, SlabRay, SlabSettings, slab_radiance, slab_sky},
 };
 use crate::query::math::{Real, clamp};
@@ -42,11 +43,11 @@ pub fn is_drawn<T: Real>(cover: T, lift: T, contrast: T, error: T, drawn: bool) 
 pub struct TierMix<T> {
     /// Near: 16 steps, 4 light steps.
     pub near: T,
-    /// Middle: 8 steps one level up, mean column.
+    /// Middle: 12 steps one level up, mean column.
     pub middle: T,
     /// Far: the table.
     pub far: T,
-    /// Steps of the march, 8..=16, fractional.
+    /// Steps of the march, 12..=16, fractional: the study's 8 cost the middle tier 9 % of its mean seen from above.
     pub steps: T,
     /// Level of the density's chain, 0..=1.
     pub mip: T,
@@ -68,7 +69,7 @@ pub fn tier_mix<T: Real>(thickness: T, px: [T; 2]) -> TierMix<T> {
         near,
         middle: above - near,
         far: T::one() - above,
-        steps: T::of(8.0) + T::of(8.0) * near,
+        steps: T::of(12.0) + T::of(4.0) * near,
         mip: T::one() - near,
         rim: clamp(thickness / px[1].max(T::of(1e-3)), T::zero(), T::one()),
     }
@@ -208,12 +209,20 @@ impl FarTable {
 /// What the middle tier must be multiplied with, that its mean is that of the near one, 0.25..=4: of the light,
 /// `eye + FAR_SIZE * light` over [`far_cosine`], then of the sky by the eye. From `rays` rays a node and azimuth; the coat's colour
 /// hardly matters.
-pub fn tier_correction(density: &Density, rays: u32) -> [f32; FAR_SIZE * (FAR_SIZE + 1)] {
+///
+/// `blocked` is what the fibres block of a ray by its cosine to the normal, over what the density says. Both tiers look at the level
+/// that a pixel has where they meet.
+pub fn tier_correction(
+    density: &Density,
+    rays: u32,
+    blocked: impl Fn(f32) -> f32,
+) -> [f32; FAR_SIZE * (FAR_SIZE + 1)] {
     let coat = Coat {
         albedo: [0.8f32; 3],
         skin: [0.4; 3],
     };
-    let (near, middle) = (SlabSettings::near(), SlabSettings::middle());
+    let cells = density.levels()[0].size.x as f32 / density.width();
+    let level = march_mip(cells / TIER_PX[0] as f32, 2.0);
     let count = 2 * rays.clamp(1, 65_536);
     let ray = |i: u32, eye: f32, light: f32| {
         let share = |step: f64| (f64::from(i) * step).fract() as f32;
@@ -234,10 +243,22 @@ pub fn tier_correction(density: &Density, rays: u32) -> [f32; FAR_SIZE * (FAR_SI
     };
     std::array::from_fn(|node| {
         let eye = far_cosine(node % FAR_SIZE);
+        let light = far_cosine(node / FAR_SIZE);
+        let near = SlabSettings {
+            mip: level,
+            sines: [blocked(eye), blocked(light)],
+            ..SlabSettings::near()
+        };
+        let middle = SlabSettings {
+            steps: 12.0,
+            mip: level.max(1.0),
+            sines: near.sines,
+            ..SlabSettings::middle()
+        };
         let (mut fine, mut rough) = (0.0, 0.0);
         for i in 0..count {
             if node < FAR_SIZE * FAR_SIZE {
-                let ray = ray(i, eye, far_cosine(node / FAR_SIZE));
+                let ray = ray(i, eye, light);
                 fine += slab_radiance(density, &coat, &ray, &near)[1];
                 rough += slab_radiance(density, &coat, &ray, &middle)[1];
             } else {

@@ -6,7 +6,7 @@ use super::{
     material::UndercoatMaterial,
     pack::{PackedShell, ShellShape},
     tier::{CONTRAST, cover_now, is_drawn},
-    wear::{Grown, Stores, Wear},
+    wear::{Grown, Lies, Stores, Wear},
 };
 use crate::{
     groom::{Groom, Ground, PlumageCards, PlumageGround, SkinMesh},
@@ -31,14 +31,37 @@ pub fn draws_down(cover: f32, lift: f32, error: f32, drawn: bool) -> bool {
     lift > limit || error <= 0.0 || is_drawn(cover, 0.0, CONTRAST as f32, error, drawn)
 }
 
-/// Share by which the down of a tract has its own colour: feathers at rest hide it so well that it passes for the skin, which is painted
-/// like them; those raised by twice the limit show all of it. `cover` and `lift` as in [`draws_down`].
-pub fn own_colour(cover: f32, lift: f32, error: f32) -> f32 {
+/// Whether feathers at rest hide the down of a tract.
+fn is_hidden(cover: f32) -> bool {
+    !draws_down(cover, 0.0, 1.0 / 255.0, false)
+}
+
+/// Share by which the down of a tract is seen, the rest is the painted skin: feathers at rest hide it so well that the skin, painted like
+/// them, stands for it; those raised by 1.7 times the limit show all of it. `cover` and `lift` as in [`draws_down`].
+pub fn shown_share(cover: f32, lift: f32, error: f32) -> f32 {
     if is_drawn(cover, 0.0, CONTRAST as f32, error.max(1e-6), false) && error > 0.0 {
         return 1.0;
     }
     let x = (lift / OPEN_LIFT - 0.7).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
+}
+
+/// The triangles of a tract, and those of others around it: coats that end at the same edge would leave a seam.
+fn with_seam(skin: &SkinMesh, tracts: &[Ground], own: &Ground) -> Vec<bool> {
+    let has = |ground: &Ground, t: usize| ground.triangles.get(t) == Some(&true);
+    let node = |v: &u32| skin.node_of.get(*v as usize).map(|n| *n as usize);
+    let mut touched = vec![false; skin.nodes.len()];
+    for (t, corners) in skin.triangles.iter().enumerate() {
+        if has(own, t) {
+            for at in corners.iter().filter_map(node) {
+                touched[at] = true;
+            }
+        }
+    }
+    let near = |corners: &[u32; 3]| corners.iter().filter_map(node).any(|at| touched[at]);
+    let list = skin.triangles.iter().enumerate();
+    list.map(|(t, corners)| near(corners) && tracts.iter().any(|ground| has(ground, t)))
+        .collect()
 }
 
 /// The triangles of a tract that lie further than `margin` from where no tract is: at the rim of the plumage the feathers are short.
@@ -185,7 +208,7 @@ pub(super) fn tend_tracts(
                         visibility.set_if_neq(wanted);
                     }
                     if let Ok(coat) = worn.get(*entity) {
-                        let share = own_colour(ground_of.cover, lift, settings.skip_error);
+                        let share = shown_share(ground_of.cover, lift, settings.skip_error);
                         assets.show(coat, share);
                     }
                     drawn += u32::from(tract.drawn);
@@ -211,17 +234,20 @@ pub(super) fn tend_tracts(
                             tract.stage = Stage::Busy(pool.spawn(async move {
                                 let own = all.iter().find(|tract| tract.region == region);
                                 let own = own.ok_or_else(String::new)?;
+                                let hidden = is_hidden(own.cover);
                                 let shape = ShellShape {
                                     height: 1.0e-3 * down.thickness_mm,
                                     world_scale: 1.0,
                                     tile: down.tile_metres(),
                                     lay: Vec3::from(down.lay),
                                     offset: Vec2::ZERO,
-                                    tinted: true,
+                                    sunk: hidden,
                                 };
-                                let hidden = !draws_down(own.cover, 0.0, 1.0 / 255.0, false);
-                                let margin = if hidden { 2.0 * shape.height } else { 0.0 };
-                                let inner = within(&skin, &all, own, margin);
+                                let inner = if hidden {
+                                    within(&skin, &all, own, 2.0 * shape.height)
+                                } else {
+                                    with_seam(&skin, &all, own)
+                                };
                                 let chosen = |t: usize| inner.get(t) == Some(&true);
                                 let shell =
                                     PackedShell::build(&skin, chosen, Some(&own.lay), &shape)
@@ -255,7 +281,11 @@ pub(super) fn tend_tracts(
                                 coat: &Undercoat::default(),
                                 strands: None,
                                 settings: &settings,
-                                over_skin: true,
+                                lies: if is_hidden(ground_of.cover) {
+                                    Lies::Sunk
+                                } else {
+                                    Lies::OnSkin
+                                },
                             };
                             let coat = wear.spawn(&mut commands, &mut assets, grown, &mut state);
                             if let Some(coat) = coat {
@@ -285,14 +315,14 @@ mod tests {
     #[test]
     fn down_shows_its_colour_as_feathers_rise() {
         let error = 1.0 / 255.0;
-        assert_eq!(own_colour(8.0, 0.0, error), 0.0);
-        assert_eq!(own_colour(8.0, 0.0, 0.0), 0.0);
-        assert_eq!(own_colour(3.0, 0.0, error), 1.0);
-        assert!(own_colour(8.0, OPEN_LIFT, error) < 0.25);
-        assert_eq!(own_colour(8.0, 0.8 * RUFFLE_LIFT, error), 1.0);
+        assert_eq!(shown_share(8.0, 0.0, error), 0.0);
+        assert_eq!(shown_share(8.0, 0.0, 0.0), 0.0);
+        assert_eq!(shown_share(3.0, 0.0, error), 1.0);
+        assert!(shown_share(8.0, OPEN_LIFT, error) < 0.25);
+        assert_eq!(shown_share(8.0, 0.8 * RUFFLE_LIFT, error), 1.0);
         let mut last = 0.0;
         for i in 0..=140 {
-            let now = own_colour(8.0, i as f32 * 1e-1f32.to_radians(), error);
+            let now = shown_share(8.0, i as f32 * 1e-1f32.to_radians(), error);
             assert!(now >= last && now - last < 0.05);
             last = now;
         }

@@ -25,7 +25,7 @@ fn tier_mix(thickness: f32, px: vec2<f32>) -> TierMix {
         near,
         above - near,
         1.0 - above,
-        8.0 + 8.0 * near,
+        12.0 + 4.0 * near,
         1.0 - near,
         clamp(thickness / max(px.y, 1e-3), 0.0, 1.0),
     );

@@ -78,8 +78,8 @@ fn pixels_of(height: f32, world: vec3<f32>) -> f32 {
 fn tier_of(height_px: f32) -> TierMix {
     switch coat.counts.w {
         case 1u: { return TierMix(1.0, 0.0, 0.0, 16.0, 0.0, 1.0); }
-        case 2u: { return TierMix(0.0, 1.0, 0.0, 8.0, 1.0, 1.0); }
-        case 3u: { return TierMix(0.0, 0.0, 1.0, 8.0, 1.0, saturate(height_px / 3.0)); }
+        case 2u: { return TierMix(0.0, 1.0, 0.0, 12.0, 1.0, 1.0); }
+        case 3u: { return TierMix(0.0, 0.0, 1.0, 12.0, 1.0, saturate(height_px / 3.0)); }
         default: { return tier_mix(height_px, coat.shape.yz); }
     }
 }
@@ -101,8 +101,7 @@ fn place_of(
     p.normal = frame.normal;
     p.tangent = normalize(mix(frame.normal, frame.lay, 0.999 * coat.shape.x * z));
     p.to_eye = to_eye;
-    let own = mix(vec3(1.0), frame.colour, coat.paint.y) * mix(coat.colour.rgb, coat.tip_colour.rgb, z);
-    p.albedo = mix(frame.colour, own, coat.paint.x);
+    p.albedo = mix(vec3(1.0), frame.colour, coat.paint.y) * mix(coat.colour.rgb, coat.tip_colour.rgb, z);
     p.spread = mix(coat.fibre.x, coat.fibre.y, z);
     p.grad_u = gradient.u * height;
     p.grad_v = gradient.v * height;
@@ -259,6 +258,7 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     var j = journey_begin(in.start, origin, direction);
     let entry_height = dot(j.cell.heights, j.walk.place.xyz);
     let height_px = pixels_of(entry_height, origin);
+    let entry_colour = data::frame_at(j.cell, j.walk.place.xyz).colour;
     var rim = rim_distance(j.cell.corners, in.start & 15u, direction);
     let entry = place_of(j.cell, data::tile_gradient(j.cell), j.walk.place, to_eye, height_px, 0.0);
 #ifndef SAMPLE_COVERAGE
@@ -295,8 +295,7 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     var end_frame = data::frame_at(j.cell, j.place.xyz);
 
     let tier = tier_of(height_px);
-    // The far tier is the middle one once more by half.
-    let steps = tier.steps / 16.0 * (1.0 - 0.5 * tier.far) * f32(coat.steps.x);
+    let steps = tier.steps / 16.0 * f32(coat.steps.x);
     let mip = tier.mip + tier.far;
     var jitter = 0.5;
     if (coat.steps.w != 0u) {
@@ -374,12 +373,17 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     } else {
         // A coat thinner than a few pixels covers less of them.
         alpha = (1.0 - march.transmittance) * tier.rim;
-        // One that misses the rim of the skin by less than a pixel stands for samples that do not.
+        // By itself, one that misses the rim of the skin by less than a pixel stands for samples that do not.
         let graze = 1.0 - smoothstep(0.5 * NEAR_RIM, NEAR_RIM, pixels_of(rim, origin));
-        if (graze > 0.0) {
+        if (graze > 0.0 && coat.shape.w > 0.5) {
             color = mix(color, march_over(march, light::skin_radiance(f, s, end_frame.normal)), graze);
             alpha = max(alpha, graze);
         }
+    }
+    if (coat.paint.x < 1.0) {
+        let painted = light::painted_radiance(f, s, entry_colour, entry.normal, to_eye);
+        color = mix(painted, color, coat.paint.x);
+        alpha = mix(1.0, alpha, coat.paint.x);
     }
     color *= lighting::exposure();
     switch coat.counts.z {
@@ -395,7 +399,12 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
         default: {}
     }
 
-    let depth_at = select(min(march_mean_distance(march), end), end - 0.05 * entry_height, coat.shape.w < 0.5);
+    var depth_at = min(march_mean_distance(march), end);
+    if (coat.shape.w < -0.5) {
+        depth_at = -0.05 * entry_height;
+    } else if (coat.shape.w < 0.5) {
+        depth_at = end - 0.05 * entry_height;
+    }
     let clip = position_world_to_clip(origin + direction * depth_at);
     var out: FragmentOutput;
 #ifdef SAMPLE_COVERAGE

@@ -16,9 +16,9 @@ struct UndercoatUniform {
     skin: vec4<f32>,
     // Spread at skin and tips; share and exponent of the highlight.
     fibre: vec4<f32>,
-    // Lean; thickness on the screen of near and of far; 0: depth of the skin, 1: of the coat.
+    // Lean; thickness on the screen of near and of far; 1: depth of the coat, 0: of the skin, -1: of its top.
     shape: vec4<f32>,
-    // Share of the coat's own colour; 1: the skin's colours tint it.
+    // Share of the coat, the rest is the painted skin; 1: the skin's colours tint it.
     paint: vec4<f32>,
     bands: array<vec4<f32>, 8>,
     column: array<vec4<f32>, 8>,

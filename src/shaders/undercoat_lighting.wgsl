@@ -173,6 +173,33 @@ fn coat_source(p: Place, s: Surroundings, near: f32) -> vec3<f32> {
     return sum + p.albedo * sky * even * multiple_scattering(eye_mu, 0.5, albedo);
 }
 
+// Radiance of a skin painted like the feathers over it, as the standard material of birds draws it: dull (roughness 0.85), with
+// the reflectance of keratin. For the surroundings the split sum of Karis 2014, for lights GGX.
+fn painted_radiance(f: lighting::Fragment, s: Surroundings, albedo: vec3<f32>, normal: vec3<f32>, to_eye: vec3<f32>) -> vec3<f32> {
+    let facing = max(dot(normal, to_eye), 1e-3);
+    let around = lighting::environment(f, normal, reflect(-to_eye, normal), 0.85);
+    let r = 0.85 * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+    let glancing = min(r.x * r.x, exp2(-9.28 * facing)) * r.x + r.y;
+    let split = vec2(-1.04, 1.04) * glancing + r.zw;
+    var sum = albedo * around.irradiance + around.radiance * (0.04 * split.x + split.y);
+    // Fourth power of the roughness.
+    let square = 0.522;
+    for (var i = 0u; i < s.count; i++) {
+        let light = s.lights[i].direction;
+        let mu = dot(normal, light);
+        if (mu <= 0.0) {
+            continue;
+        }
+        let half_way = normalize(light + to_eye);
+        let d = dot(normal, half_way) * dot(normal, half_way) * (square - 1.0) + 1.0;
+        let masked = mu * sqrt(facing * facing * (1.0 - square) + square) + facing * sqrt(mu * mu * (1.0 - square) + square);
+        let mirrored = 0.04 + 0.96 * pow(saturate(1.0 - dot(light, half_way)), 5.0);
+        let gloss = mirrored * 0.5 / max(masked, 1e-4) * square / (d * d);
+        sum += s.lights[i].color * (mu / 3.14159265) * (albedo + gloss);
+    }
+    return sum;
+}
+
 // Radiance of the skin below the whole coat.
 fn skin_radiance(f: lighting::Fragment, s: Surroundings, normal: vec3<f32>) -> vec3<f32> {
     let column = data::column_above(0.0);
