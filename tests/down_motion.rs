@@ -267,6 +267,7 @@ fn means(stage: &mut Stage, coat: Entity, pixels: f32, thickness: &[f32]) -> Vec
 #[ignore = "minutes on a software adapter"]
 fn no_tier_pops_over_a_dolly() {
     const PIXELS: f32 = 8.0;
+    let mut worst = 0.0;
     for tilt in [0.0f32, 60.0] {
         let Some(mut stage) = orthographic(48, 0.012 / PIXELS) else {
             return;
@@ -292,9 +293,10 @@ fn no_tier_pops_over_a_dolly() {
                 255.0 * (means[0][1] - means[29][1]),
                 255.0 * means[0][1],
             );
-            assert!(step <= 1.0 / 255.0, "tilt {tilt}, {limit} px: {step}");
+            worst = f64::max(worst, step);
         }
     }
+    assert!(worst <= 1.0 / 255.0, "{worst}");
 }
 
 /// A coat whose volume changes is grown anew without a frame in which it is gone.

@@ -29,7 +29,7 @@ pub enum UndercoatTier {
     Auto,
     /// All steps to the eye, a march to the key light from each.
     Near,
-    /// Three quarters of the steps; light by the mean column.
+    /// Light by the mean column.
     Mid,
     /// The same on a coarser level of the density.
     Far,

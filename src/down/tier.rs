@@ -10,8 +10,8 @@ use crate::query::math::{Real, clamp};
 /// Thickness in pixels from which the near tier, and the middle tier, draw.
 pub const TIER_PX: [f64; 2] = [12.0, 3.0];
 
-/// Width of a transition, as a share of its thickness.
-pub const TRANSITION: f64 = 0.25;
+/// Width of a transition, as a share of its thickness. The study's 0.25 takes a dolly a little over 1/255 a frame.
+pub const TRANSITION: f64 = 0.35;
 
 /// Contrast of down against a skin tinted with its mean colour (an estimate of the study).
 pub const CONTRAST: f64 = 0.3;
@@ -43,11 +43,11 @@ pub fn is_drawn<T: Real>(cover: T, lift: T, contrast: T, error: T, drawn: bool) 
 pub struct TierMix<T> {
     /// Near: 16 steps, 4 light steps.
     pub near: T,
-    /// Middle: 12 steps one level up, mean column.
+    /// Middle: 14 steps one level up, mean column.
     pub middle: T,
     /// Far: the table.
     pub far: T,
-    /// Steps of the march, 12..=16, fractional: the study's 8 cost the middle tier 9 % of its mean seen from above.
+    /// Steps of the march, 14..=16, fractional: the study's 8 cost the middle tier 9 % of its mean seen from above.
     pub steps: T,
     /// Level of the density's chain, 0..=1.
     pub mip: T,
@@ -69,7 +69,7 @@ pub fn tier_mix<T: Real>(thickness: T, px: [T; 2]) -> TierMix<T> {
         near,
         middle: above - near,
         far: T::one() - above,
-        steps: T::of(12.0) + T::of(4.0) * near,
+        steps: T::of(14.0) + T::of(2.0) * near,
         mip: T::one() - near,
         rim: clamp(thickness / px[1].max(T::of(1e-3)), T::zero(), T::one()),
     }
@@ -250,7 +250,7 @@ pub fn tier_correction(
             ..SlabSettings::near()
         };
         let middle = SlabSettings {
-            steps: 12.0,
+            steps: 14.0,
             mip: level.max(1.0),
             sines: near.sines,
             ..SlabSettings::middle()

@@ -78,8 +78,8 @@ fn pixels_of(height: f32, world: vec3<f32>) -> f32 {
 fn tier_of(height_px: f32) -> TierMix {
     switch coat.counts.w {
         case 1u: { return TierMix(1.0, 0.0, 0.0, 16.0, 0.0, 1.0); }
-        case 2u: { return TierMix(0.0, 1.0, 0.0, 12.0, 1.0, 1.0); }
-        case 3u: { return TierMix(0.0, 0.0, 1.0, 12.0, 1.0, saturate(height_px / 3.0)); }
+        case 2u: { return TierMix(0.0, 1.0, 0.0, 14.0, 1.0, 1.0); }
+        case 3u: { return TierMix(0.0, 0.0, 1.0, 14.0, 1.0, saturate(height_px / 3.0)); }
         default: { return tier_mix(height_px, coat.shape.yz); }
     }
 }
