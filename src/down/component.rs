@@ -31,7 +31,7 @@ pub enum UndercoatTier {
     Near,
     /// Light by the mean column.
     Mid,
-    /// The same on a coarser level of the density.
+    /// The same with a rim that thins out.
     Far,
     /// Not drawn.
     None,

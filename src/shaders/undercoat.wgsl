@@ -296,7 +296,7 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
 
     let tier = tier_of(height_px);
     let steps = tier.steps / 16.0 * f32(coat.steps.x);
-    let mip = tier.mip + tier.far;
+    let mip = tier.mip;
     var jitter = 0.5;
     if (coat.steps.w != 0u) {
         jitter = march_jitter(pixel_noise(in.position.xy), vb::globals.frame_count);
