@@ -11,7 +11,7 @@ use helper::{
 };
 
 /// Share of the grown bird's feathers that are there.
-const FEATHERS: f32 = 0.12;
+const FEATHERS: f32 = 0.04;
 /// Their length relative to the grown bird's.
 const LENGTH: f32 = 0.55;
 
@@ -23,7 +23,7 @@ fn main() {
             fov,
         };
         app.insert_resource(Shots {
-            hero: shot([0.0, 0.09, 0.02], [0.95, 0.32, 1.0], 17.0),
+            hero: shot([0.0, 0.16, 0.02], [0.95, 0.36, 1.0], 19.0),
             closeup: shot([0.0, 0.20, 0.05], [0.12, 0.26, 0.26], 24.0),
             macro_: shot([0.0, 0.12, 0.06], [0.04, 0.14, 0.16], 20.0),
             full: shot([0.0, 0.08, 0.0], [1.4, 0.2, 0.3], 17.0),

@@ -41,31 +41,10 @@ fn main() {
             back: shot(-1.0, 0.6, -1.5, 18.0),
             far: shot(3.0, 1.0, 4.0, 24.0),
         })
-        .insert_resource(UndercoatSettings {
-            view: view(),
-            ..default()
-        })
         .add_systems(Startup, setup)
         .add_systems(Update, frame)
         .add_observer(arrived);
     });
-}
-
-/// The view that `--fur-view` asks for.
-fn view() -> UndercoatView {
-    let name = <Args as clap::Parser>::parse().fur_view.unwrap_or_default();
-    match name.as_str() {
-        "prism" => UndercoatView::Prism,
-        "cells" => UndercoatView::Cells,
-        "height" => UndercoatView::Height,
-        "tier" => UndercoatView::Tier,
-        "opacity" => UndercoatView::Opacity,
-        "sky" => UndercoatView::Sky,
-        "bent" => UndercoatView::Bent,
-        "normal" => UndercoatView::Normal,
-        "tile" => UndercoatView::Tile,
-        _ => UndercoatView::None,
-    }
 }
 
 /// A model that has arrived and is not framed yet: frames waited.
@@ -77,7 +56,8 @@ struct Unframed(u32);
 struct Expected;
 
 fn coat(assets: &AssetServer, args: &Args, scale: f32) -> Undercoat {
-    let name = args.down.as_deref().unwrap_or("fur");
+    let usual = if args.mesh.is_some() { "pelt" } else { "fur" };
+    let name = args.down.as_deref().unwrap_or(usual);
     Undercoat {
         visible: args.mode != FurMode::Explicit,
         mode: if args.mode == FurMode::Shells {
@@ -87,29 +67,44 @@ fn coat(assets: &AssetServer, args: &Args, scale: f32) -> Undercoat {
         },
         seed: args.seed,
         scale,
+        // Models given by path may have few triangles.
+        rounds: if args.mesh.is_some() { 2 } else { 0 },
         ..Undercoat::new(assets.load(format!("downs/{name}.down.ron")))
     }
 }
 
+/// The hairs are those of the coat: longer ones, and the lighter for it.
 fn strands(args: &Args) -> Option<GuardStrands> {
+    // Over a mesh they take its colours.
+    let (colour, tip_colour) = if args.mesh.is_some() {
+        ([0.66, 0.62, 0.58], [1.0, 0.98, 0.95])
+    } else {
+        ([0.52, 0.42, 0.34], [0.93, 0.88, 0.79])
+    };
+    let hairs = GuardStrands {
+        bend: 0.8,
+        gravity: 0.1,
+        colour,
+        tip_colour,
+        ..default()
+    };
     match args.mode {
         FurMode::Volume | FurMode::Shells => None,
         // As many hairs as the volume stands for would not end: the paper's equal-time case.
         FurMode::Explicit => Some(GuardStrands {
             density: 160.0,
             limit: 120_000,
-            fade: 0.8,
-            colour: [0.80, 0.74, 0.66],
-            tip_colour: [0.95, 0.92, 0.86],
-            ..default()
+            length_mm: (11.0, 0.3),
+            radius_um: 60.0,
+            fade: 0.4,
+            ..hairs
         }),
         FurMode::Hybrid => Some(GuardStrands {
-            density: 30.0,
-            length_mm: (13.0, 0.3),
-            radius_um: 70.0,
-            colour: [0.72, 0.64, 0.56],
-            tip_colour: [0.97, 0.93, 0.87],
-            ..default()
+            density: 40.0,
+            length_mm: (if args.mesh.is_some() { 22.0 } else { 16.0 }, 0.3),
+            radius_um: 60.0,
+            fade: 0.6,
+            ..hairs
         }),
     }
 }
@@ -118,9 +113,11 @@ fn setup(
     mut commands: Commands,
     assets: Res<AssetServer>,
     args: Res<Args>,
+    mut settings: ResMut<UndercoatSettings>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
+    settings.view = args.fur_view.into();
     let Some(path) = &args.mesh else {
         let mut cylinder = commands.spawn((
             Mesh3d(meshes.add(bent_cylinder(0.055, 0.16, 64, 48))),

@@ -45,9 +45,22 @@ for mode in explicit volume hybrid shells; do
     show fur "fur_$mode" --size 480x360 --mode "$mode"
 done
 show fur fur_closeup --size 480x360 --mode hybrid --camera closeup
-show chick chick --size 640x640 --time 0
-show chick chick_closeup --size 480x360 --camera closeup --time 0
-show parrot parrot_ruffled --size 640x480 --camera closeup --time 0 --ruffle 1
+# Fur on a model of your own: FOX names the Fox of the glTF sample models.
+if [ -n "${FOX:-}" ]; then
+    show fur fur_fox --size 480x360 --mode hybrid --mesh "$FOX" --time 0
+fi
+# The sun goes around shells with precomputed transfer.
+for sun in 0 60 120 180 240 300; do
+    show fur "fur_sun_$sun" --size 200x150 --mode shells --sun "$sun"
+done
+convert "$out"/fur_sun_{0,60,120}.png +append "$out/fur_sun_a.png"
+convert "$out"/fur_sun_{180,240,300}.png +append "$out/fur_sun_b.png"
+convert "$out"/fur_sun_{a,b}.png -append "$out/fur_lights.png"
+rm "$out"/fur_sun_*.png "$out"/stats/fur_sun_*.json
+show chick chick --size 480x480 --time 0 --transparency hashed
+show chick chick_moult --size 480x360 --camera closeup --time 0 --transparency hashed --density 0.3 --ruffle 1
+show parrot parrot_ruffled --size 640x480 --camera closeup --time 0 --ruffle 1 --transparency hashed
+show eagle eagle_ruffled --size 640x480 --camera closeup --time 0 --ruffle 1 --transparency hashed
 # One structural feather from three angles, as Chen et al. 2026, Fig. 17.
 show single_feather feather_angle_0 --size 240x320 --feather macaw_blue --camera full
 show single_feather feather_angle_40 --size 240x320 --feather macaw_blue --camera full --turn 40

@@ -265,7 +265,7 @@ fn nothing_is_ever_not_a_number() {
 
 #[test]
 fn shader_twin() {
-    const N: usize = 23;
+    const N: usize = 24;
     let text = "#import bevy_plumage::down_light as l
         #import bevy_plumage::down_march as m
         fn evaluate(i: u32) {
@@ -275,7 +275,7 @@ fn shader_twin() {
             let step = l::light_step(u32(x * 8.0), 8u);
             let place = m::march_step(u32(x * 16.0), 3.0 + 13.0 * y, z);
             let added = m::march_add(m::March(vec3(0.1, 0.2, 0.3), x, 0.4), 3.0 * y, vec3(z, 1.0, 2.0), 1.5);
-            let values = array<f32, 23>(
+            let values = array<f32, 24>(
                 l::kajiya_kay_norm(x), l::kajiya_kay_diffuse(vec3(0.7), y, x).x,
                 l::kajiya_kay_specular(0.5, 1.0 + 60.0 * x, 2.0 * y - 1.0, 2.0 * z - 1.0), l::cylinder_phase(x, 3.0 * y),
                 step.x, step.y, l::light_exit(x, 2.0 * y - 1.0, 0.5 * z), l::light_exit(x, y, 0.0),
@@ -283,8 +283,9 @@ fn shader_twin() {
                 l::column_transmittance(4.0 * x, y), l::multiple_scattering(x, y, vec3(z)).y,
                 l::scattering_albedo(vec3(x), vec3(y), 4.0 * z).z, place.x, place.y, added.radiance.x, added.transmittance,
                 added.distance, m::march_mip(20.0 * x, 3.0),
-                m::march_floor(x, 5.0 * y, 1.0 + 2.0 * z, 7.0), m::march_lit(6.0 * x), m::mean_extinction(x, 4.0, 1.0 + 2.0 * z));
-            for (var k = 0u; k < 23u; k++) { output[23u * i + k] = values[k]; }
+                m::march_floor(x, 5.0 * y, 1.0 + 2.0 * z, 7.0), m::march_lit(6.0 * x), m::mean_extinction(x, 4.0, 1.0 + 2.0 * z),
+                m::lean_shift(x, y));
+            for (var k = 0u; k < 24u; k++) { output[24u * i + k] = values[k]; }
         }";
     let axis = [0.0f32, 0.03, 0.2, 0.45, 0.5, 0.77, 0.98, 1.0];
     let mut input = Vec::new();
@@ -325,6 +326,7 @@ fn shader_twin() {
                     march_floor(x, 5.0 * y, 1.0 + 2.0 * z, 7.0),
                     march_lit(6.0 * x),
                     mean_extinction(x, 4.0, 1.0 + 2.0 * z),
+                    lean_shift(x, y),
                 ]);
             }
         }

@@ -270,3 +270,22 @@ fn shader_twin_of_procedural_down() {
         }
     }
 }
+
+/// How far fibres have come is the integral of their slope.
+#[test]
+fn leaning_fibres_follow_their_slope() {
+    for bend in [0.0, 0.02, 0.3, 0.75, 0.95, 1.0] {
+        let slope = |z: f64| {
+            let x = f64::min(bend, 0.95) * z;
+            x / (1.0 - x)
+        };
+        let mut sum = 0.0;
+        for i in 0..4000 {
+            let z = (f64::from(i) + 0.5) / 4000.0;
+            sum += slope(z) / 4000.0;
+            let end = f64::from(i + 1) / 4000.0;
+            assert!((lean_shift(end, bend) - sum).abs() < 2e-5, "{bend} {end}");
+        }
+    }
+    assert!(lean_shift(f64::NAN, 0.5).is_finite() && lean_shift(0.5, f64::NAN).is_finite());
+}

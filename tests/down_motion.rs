@@ -95,12 +95,14 @@ fn flicker_ratio(frames: Range<u32>, strip: Option<&str>) -> Option<f64> {
     Some(ours / truth)
 }
 
-/// Five pictures side by side.
+/// Up to five pictures side by side.
 fn save_strip(name: &str, film: &[Picture], (width, height): (u32, u32)) {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/target/down_motion");
     std::fs::create_dir_all(folder).unwrap();
-    let strip = image::RgbImage::from_fn(5 * width, height, |x, y| {
-        let picture = &film[(x / width) as usize * (film.len() - 1) / 4];
+    let columns = film.len().min(5) as u32;
+    let strip = image::RgbImage::from_fn(columns * width, height, |x, y| {
+        let last = columns.max(2) as usize - 1;
+        let picture = &film[(x / width) as usize * (film.len() - 1) / last];
         let [r, g, b] = picture[(y * width + x % width) as usize];
         let srgb = Color::linear_rgb(r, g, b).to_srgba();
         image::Rgb([srgb.red, srgb.green, srgb.blue].map(|c| (c * 255.0).round() as u8))
@@ -194,7 +196,6 @@ fn holes_in(picture: &Picture) -> usize {
 }
 
 #[test]
-#[ignore = "fails: the skin shows in 1 of 2,700 pixels once the tube bends"]
 fn no_ray_is_lost_on_a_bending_skin() {
     let Some(mut stage) = Stage::new() else {
         return;
@@ -216,11 +217,22 @@ fn no_ray_is_lost_on_a_bending_skin() {
     let bare = holes_in(&stage.picture());
     assert!(bare > 500, "{bare}");
     dress(&mut stage, coat);
+    let mut total = 0;
     for frame in [0, 30, 61, 90, 119] {
         pose(&mut stage, upper, frame);
-        let holes = holes_in(&stage.picture());
-        assert_eq!(holes, 0, "frame {frame}");
+        let picture = stage.picture();
+        let holes = holes_in(&picture);
+        println!("frame {frame}: {holes}");
+        if holes > 0 {
+            save_strip(
+                &format!("holes_{frame}"),
+                std::slice::from_ref(&picture),
+                stage.size,
+            );
+        }
+        total += holes;
     }
+    assert_eq!(total, 0);
 }
 
 /// Mean of the picture at each thickness on the screen: the limits of the tiers move instead of the camera, so that nothing else does.
@@ -255,6 +267,7 @@ fn means(stage: &mut Stage, coat: Entity, pixels: f32, thickness: &[f32]) -> Vec
 #[ignore = "minutes on a software adapter"]
 fn no_tier_pops_over_a_dolly() {
     const PIXELS: f32 = 8.0;
+    let mut worst = 0.0;
     for tilt in [0.0f32, 60.0] {
         let Some(mut stage) = orthographic(48, 0.012 / PIXELS) else {
             return;
@@ -280,9 +293,10 @@ fn no_tier_pops_over_a_dolly() {
                 255.0 * (means[0][1] - means[29][1]),
                 255.0 * means[0][1],
             );
-            assert!(step <= 1.0 / 255.0, "tilt {tilt}, {limit} px: {step}");
+            worst = f64::max(worst, step);
         }
     }
+    assert!(worst <= 1.0 / 255.0, "{worst}");
 }
 
 /// A coat whose volume changes is grown anew without a frame in which it is gone.

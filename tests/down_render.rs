@@ -78,6 +78,37 @@ fn coats_grow_on_closed_and_open_skins() {
     }
 }
 
+/// Three sheets that meet at one edge are no surface there: each is walled.
+#[test]
+fn sheets_of_a_fan_are_walled_from_each_other() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let mut positions = vec![[0.0, -0.08, 0.0], [0.0, 0.08, 0.0]];
+    for angle in [0.4f32, 2.5, 4.6] {
+        let (s, c) = angle.sin_cos();
+        positions.extend([[0.09 * c, -0.08, 0.09 * s], [0.09 * c, 0.08, 0.09 * s]]);
+    }
+    let sheets = [2u32, 4, 6].into_iter();
+    let indices = sheets.flat_map(|k| [0, 1, k, k, 1, k + 1]).collect();
+    let mesh = Mesh::new(
+        bevy::mesh::PrimitiveTopology::TriangleList,
+        bevy::asset::RenderAssetUsages::default(),
+    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+    .with_inserted_indices(bevy::mesh::Indices::U32(indices))
+    .with_computed_normals();
+    let entity = spawn(&mut stage, mesh, Transform::default());
+    for _ in 0..3 {
+        stage.frame();
+    }
+    let bare = stage.picture();
+    dress(&mut stage, entity);
+    // Three open sides each, and the side at the common edge.
+    assert_eq!(state(&stage, entity).walls, 3 * 4);
+    assert!(covered(&bare, 0.004) > 100);
+}
+
 #[test]
 fn two_coats_in_one_scene_are_alike() {
     let Some(mut stage) = Stage::sized(192, 96) else {

@@ -152,6 +152,31 @@ const PREPASS_OPTIONS: [&[&str]; 8] = [
     ],
 ];
 
+/// Coats: marched or as shells, with samples or without, in the surroundings that occur.
+const UNDERCOAT_OPTIONS: [&[&str]; 8] = [
+    &[],
+    &["ENVIRONMENT_MAP", "SAMPLE_COVERAGE", "MULTISAMPLED"],
+    &["ENVIRONMENT_MAP", "UNDERCOAT_SHELLS", "BLENDED"],
+    &[
+        "UNDERCOAT_SHELLS",
+        "TONEMAP_IN_SHADER",
+        "TONEMAP_METHOD_ACES_FITTED",
+    ],
+    &["DISTANCE_FOG", "ENVIRONMENT_MAP"],
+    &[
+        "IRRADIANCE_VOLUMES_ARE_USABLE",
+        "IRRADIANCE_VOLUME",
+        "ENVIRONMENT_MAP",
+    ],
+    &["SCREEN_SPACE_AMBIENT_OCCLUSION", "DEPTH_PREPASS"],
+    &[
+        "CONTACT_SHADOWS",
+        "DEPTH_PREPASS",
+        "SAMPLE_COVERAGE",
+        "MULTISAMPLED",
+    ],
+];
+
 fn variants() -> Vec<(&'static str, Vec<&'static str>)> {
     let mut all = Vec::new();
     for skinned in [&[] as &[&str], &["SKINNED"]] {
@@ -167,6 +192,13 @@ fn variants() -> Vec<(&'static str, Vec<&'static str>)> {
         }
     }
     all.push(("feather_lod.wgsl", Vec::new()));
+    for options in UNDERCOAT_OPTIONS {
+        for file in ["undercoat.wgsl", "undercoat_strands.wgsl"] {
+            let defs = FORWARD.iter().chain(options).copied();
+            all.push((file, defs.collect()));
+        }
+    }
+    all.push(("undercoat_extrude.wgsl", Vec::new()));
     all
 }
 
@@ -179,6 +211,9 @@ fn every_variant_is_valid() {
         "feather_vertex.wgsl",
         "feather_prepass.wgsl",
         "feather_lod.wgsl",
+        "undercoat.wgsl",
+        "undercoat_strands.wgsl",
+        "undercoat_extrude.wgsl",
     ];
     let handles: Vec<Handle<Shader>> = {
         let server = app.world().resource::<AssetServer>();
@@ -227,6 +262,7 @@ fn every_variant_is_valid() {
             ("MAX_CASCADES_PER_LIGHT", 4),
             ("MAX_RECT_LIGHTS", 8),
             ("FEATHER_SAMPLES", 4),
+            ("UNDERCOAT_SAMPLES", 4),
             ("PER_OBJECT_BUFFER_BATCH_SIZE", 64),
         ] {
             defs.push(ShaderDefVal::UInt(name.into(), value));

@@ -144,6 +144,49 @@ pub enum FurMode {
     Shells,
 }
 
+/// What is drawn instead of shaded fur.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum FurView {
+    /// Shaded.
+    #[default]
+    Shaded,
+    /// A colour per prism.
+    Prism,
+    /// Cells crossed by the ray.
+    Cells,
+    /// Height at which the ray is halfway absorbed.
+    Height,
+    /// Near red, mid green, far blue.
+    Tier,
+    /// Opacity to the eye.
+    Opacity,
+    /// Mean visibility of the sky.
+    Sky,
+    /// Bent vector.
+    Bent,
+    /// Normal of the shell.
+    Normal,
+    /// Place in the tile.
+    Tile,
+}
+
+impl From<FurView> for UndercoatView {
+    fn from(view: FurView) -> Self {
+        match view {
+            FurView::Shaded => Self::None,
+            FurView::Prism => Self::Prism,
+            FurView::Cells => Self::Cells,
+            FurView::Height => Self::Height,
+            FurView::Tier => Self::Tier,
+            FurView::Opacity => Self::Opacity,
+            FurView::Sky => Self::Sky,
+            FurView::Bent => Self::Bent,
+            FurView::Normal => Self::Normal,
+            FurView::Tile => Self::Tile,
+        }
+    }
+}
+
 /// The command line of every example.
 #[derive(Parser, Resource, Clone, Debug)]
 pub struct Args {
@@ -222,9 +265,9 @@ pub struct Args {
     /// How `fur` is drawn.
     #[arg(long, value_enum, default_value_t)]
     pub mode: FurMode,
-    /// What is drawn instead of shaded fur: `prism`, `cells`, `height`, `tier`, `opacity`, `sky`, `bent`, `normal` or `tile`.
-    #[arg(long)]
-    pub fur_view: Option<String>,
+    /// What is drawn instead of shaded fur.
+    #[arg(long, value_enum, default_value_t)]
+    pub fur_view: FurView,
     /// Coat of `fur` and `chick`, a file in `assets/downs`; the example's choice when absent.
     #[arg(long)]
     pub down: Option<String>,

@@ -6,7 +6,7 @@ use super::{
     march::extinction_sine,
     material::COLUMN,
     texture::{self, Fur, fur_tile},
-    tier::column_correction,
+    tier::tier_correction,
     transfer::{Transfer, TransferSettings, bake, transfer_texture},
 };
 use bevy::{
@@ -48,8 +48,8 @@ pub(super) struct Table {
     pub column: [Vec4; COLUMN / 4],
     /// How the higher bands of the transfer follow from its four numbers.
     pub bands: [Vec4; 8],
-    /// [`column_correction`].
-    pub correction: [Vec4; 16],
+    /// [`tier_correction`].
+    pub correction: [Vec4; 18],
 }
 
 /// A baked down on its way to the GPU.
@@ -203,6 +203,17 @@ fn lean(down: &Down, z: f32) -> (f32, f32) {
     (upright.normalize_or(Vec3::Z).z, spread)
 }
 
+/// Mean over the azimuth of what fibres half-way up block of a ray with the cosine `mu` to the normal.
+fn mean_sine(down: &Down, mu: f32) -> f32 {
+    let (cos, spread) = lean(down, 0.5);
+    let across = ((1.0 - mu * mu) * (1.0 - cos * cos)).max(0.0).sqrt();
+    let azimuths = (0..8).map(|i| (std::f32::consts::TAU * i as f32 / 8.0).cos());
+    azimuths
+        .map(|turn| extinction_sine(mu * cos + across * turn, spread))
+        .sum::<f32>()
+        / 8.0
+}
+
 /// Bakes everything of a down.
 fn bake_tile(down: &Down) -> Result<TileBake, DownError> {
     down.validate()?;
@@ -256,7 +267,7 @@ fn bake_tile(down: &Down) -> Result<TileBake, DownError> {
             (coarse.size(), bytes, transfer.bands.vec4s().map(Vec4::from))
         }
     };
-    let correction = column_correction(&density, CORRECTION_RAYS);
+    let correction = tier_correction(&density, CORRECTION_RAYS, |mu| scale * mean_sine(down, mu));
     Ok(TileBake {
         size: tile.size(),
         levels: levels.len() as u32,

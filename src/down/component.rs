@@ -29,9 +29,9 @@ pub enum UndercoatTier {
     Auto,
     /// All steps to the eye, a march to the key light from each.
     Near,
-    /// Half the steps; light by the mean column.
+    /// Light by the mean column.
     Mid,
-    /// A table over the angles to eye and light.
+    /// The same with a rim that thins out.
     Far,
     /// Not drawn.
     None,
@@ -54,6 +54,8 @@ pub struct Undercoat {
     /// Factor on the thickness, 0..10: metres of the app's world per metre of the animal.
     #[reflect(@Parameter::new("", 0.0, 10.0))]
     pub scale: f32,
+    /// How often each triangle of the skin is split into four and rounded below the coat, 0..3: for meshes of few triangles.
+    pub rounds: u32,
     /// Seed: shifts the tile over the skin.
     pub seed: u64,
 }
@@ -66,6 +68,7 @@ impl Default for Undercoat {
             tier: UndercoatTier::Auto,
             visible: true,
             scale: 1.0,
+            rounds: 0,
             seed: 0,
         }
     }

@@ -7,7 +7,7 @@ use super::{
     hairs::{StrandInput, grow_strands},
     meshes::{Input, Meshes},
     pack::{PackedShell, ShellShape},
-    wear::{Grown, Outgoing, Stores, UndercoatShell, Wear},
+    wear::{Grown, Lies, Outgoing, Stores, UndercoatShell, Wear},
 };
 use crate::{groom::SkinMesh, modified::modified};
 use bevy::{
@@ -127,7 +127,7 @@ pub(super) fn start(
             }
             Some(Ok(_)) => {}
         }
-        let Some(found) = meshes.find(owner, &images) else {
+        let Some(found) = meshes.find(owner, &images, coat.rounds) else {
             continue;
         };
         let (down, coat, strands) = (down.clone(), coat.clone(), strands.cloned());
@@ -161,6 +161,7 @@ fn grow_one(
         tile: down.tile_metres() * factor,
         lay: Vec3::from(down.lay),
         offset: Vec2::new(shift(coat.seed), shift(coat.seed >> 16)),
+        sunk: false,
     };
     let shell =
         PackedShell::build(&skin, |_| true, None, &shape).map_err(|error| error.to_string())?;
@@ -245,7 +246,7 @@ pub(super) fn finish(
                 coat,
                 strands,
                 settings: own.map_or(&*settings, |own| &own.0),
-                over_skin: false,
+                lies: Lies::Alone,
             };
             wear.spawn(&mut commands, &mut assets, grown, &mut state);
         }

@@ -100,6 +100,19 @@ pub fn march_lit<T: Real>(depth: T) -> T {
     T::of(0.25) + T::of(0.5) * mean
 }
 
+/// How far a fibre that leans over by `bend` (0..=1, [`Down::bend`](super::Down::bend)) has come along the lay at height `z`, in heights
+/// of the coat: the integral of its slope `bend z / (1 - bend z)`.
+pub fn lean_shift<T: Real>(z: T, bend: T) -> T {
+    let b = clamp(bend, T::zero(), T::of(0.95));
+    let z = clamp(z, T::zero(), T::one());
+    let x = b * z;
+    if x < T::of(0.05) {
+        // Its series: the difference below would cancel.
+        return z * x * (T::of(0.5) + x * (T::of(1.0 / 3.0) + x * T::of(0.25)));
+    }
+    -z - (T::one() - x).ln() / b
+}
+
 /// Jitter of a pixel in a frame: `noise` (blue noise of the pixel, 0..1, never of the place in the world) advanced by the golden
 /// ratio. 0.5 without temporal antialiasing.
 pub fn march_jitter<T: Real>(noise: T, frame: u32) -> T {

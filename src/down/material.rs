@@ -34,14 +34,16 @@ pub struct UndercoatUniform {
     pub skin: Vec4,
     /// Spread of the tangents at skin and tips; share and exponent of the highlight.
     pub fibre: Vec4,
-    /// Lean; thickness on the screen of near and of far; 0: the depth of the skin is written, 1: that of the coat.
+    /// Lean; thickness on the screen of near and of far; 1: the depth of the coat is written, 0: of the skin below, -1: of its top.
     pub shape: Vec4,
+    /// Share by which the coat is seen, for the rest the painted skin; 1: the skin's colours tint the coat.
+    pub paint: Vec4,
     /// [`TransferBands::vec4s`](super::transfer::TransferBands::vec4s).
     pub bands: [Vec4; 8],
     /// Mean optical depth above each height, in heights 0..1.
     pub column: [Vec4; COLUMN / 4],
-    /// [`column_correction`](super::tier::column_correction).
-    pub correction: [Vec4; 16],
+    /// [`tier_correction`](super::tier::tier_correction): by the cosines of eye and light, then of the sky by that of the eye.
+    pub correction: [Vec4; 18],
 }
 
 /// The shader picks the samples that a fragment covers itself: hardware rounds opacities to quarters, which leaves thin hairs out.

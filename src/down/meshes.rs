@@ -1,5 +1,6 @@
 //! The meshes that a coat is to cover.
 
+use super::refine::refined;
 use crate::groom::{PlumageCards, PlumageRepeat};
 use bevy::{
     ecs::system::SystemParam,
@@ -74,6 +75,7 @@ impl Meshes<'_, '_> {
         &self,
         owner: Entity,
         images: &Assets<Image>,
+        rounds: u32,
     ) -> Option<Vec<(Entity, Input)>> {
         let mut found = Vec::new();
         for entity in std::iter::once(owner).chain(self.children.iter_descendants(owner)) {
@@ -90,15 +92,16 @@ impl Meshes<'_, '_> {
                 }
                 None => transform.to_matrix(),
             };
+            let mesh = refined(mesh, rounds);
             let standard = material.and_then(|material| self.materials.get(material.id()));
             let colours = standard.and_then(|material| {
                 let image = images.get(material.base_color_texture.as_ref()?)?;
-                vertex_colours(mesh, image, material.base_color.to_linear())
+                vertex_colours(&mesh, image, material.base_color.to_linear())
             });
             found.push((
                 entity,
                 Input {
-                    mesh: mesh.clone(),
+                    mesh,
                     world_scale: scale_of(matrix),
                     colours,
                 },

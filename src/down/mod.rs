@@ -12,7 +12,7 @@
 //! | `asset`, `loader`, `error` | [`Down`] |
 //! | `component` | what apps put on entities |
 //! | `bake` | the tile, its transfer and its tables, once for each down |
-//! | `meshes`, `grow`, `pack`, `hairs`, `wear` | shells and strands over meshes |
+//! | `meshes`, `refine`, `grow`, `pack`, `hairs`, `wear` | shells and strands over meshes |
 //! | `tract` | down below the feathers of a bird, and when it is drawn |
 //! | `material`, `extrude`, `plugin` | what a frame draws |
 
@@ -37,6 +37,7 @@ mod plugin;
 pub mod prism;
 pub mod published;
 pub mod reference;
+mod refine;
 pub mod shell;
 pub mod slab;
 pub mod slabs;

@@ -40,6 +40,8 @@ pub struct ShellShape {
     pub lay: Vec3,
     /// Where on the tile the mesh lies.
     pub offset: Vec2,
+    /// Whether the shell lies below the skin, its top on it: under feathers, which are groomed on the top of the down.
+    pub sunk: bool,
 }
 
 /// A shell ready to be uploaded.
@@ -143,9 +145,16 @@ impl PackedShell {
         let mut rest = Vec::with_capacity(16 * REST_VEC4S as usize * shell.vertices.len());
         for vertex in &shell.vertices {
             let source = used[vertex.source as usize];
-            let [x, y, z] = vertex.position;
+            // Of a tract the normals of the whole skin, so that neighbours meet.
+            let whole = skin.node_of.get(source);
+            let normal = whole
+                .and_then(|node| skin.normals.get(*node as usize))
+                .filter(|_| triangles.len() < skin.triangles.len())
+                .map_or(Vec3::from(vertex.normal), |normal| *normal);
+            let depth = if shape.sunk { vertex.height } else { 0.0 };
+            let [x, y, z] = (Vec3::from(vertex.position) - depth * normal).to_array();
             put(&mut rest, [x, y, z, vertex.height * shape.world_scale]);
-            let [x, y, z] = vertex.normal;
+            let [x, y, z] = normal.to_array();
             put(&mut rest, [x, y, z, 0.0]);
             let along = lay
                 .and_then(|lay| lay.get(*skin.node_of.get(source)? as usize))

@@ -48,6 +48,8 @@ pub struct SlabSettings<T> {
     pub light: LightModel,
     /// Whether to multiply by [`multiple_scattering`].
     pub multiple: bool,
+    /// What the fibres block towards the eye and towards the light, over what the density says; 1 for random directions.
+    pub sines: [T; 2],
 }
 
 impl<T: Real> SlabSettings<T> {
@@ -60,6 +62,7 @@ impl<T: Real> SlabSettings<T> {
             clip: T::of(DEPTH_CLIP),
             light: LightModel::Steps(4),
             multiple: true,
+            sines: [T::one(); 2],
         }
     }
 
@@ -92,6 +95,7 @@ pub fn slab_visibility<T: Real>(
     light: [T; 3],
     model: LightModel,
     mip: T,
+    sine: T,
 ) -> T {
     let mu = light[2];
     if mu <= T::zero() {
@@ -108,14 +112,14 @@ pub fn slab_visibility<T: Real>(
     let way = light_exit(place[2], mu, T::zero());
     match model {
         LightModel::Open => T::one(),
-        LightModel::MeanColumn => column_transmittance(density.column(place[2]), mu),
+        LightModel::MeanColumn => column_transmittance(sine * density.column(place[2]), mu),
         LightModel::Steps(count) => {
             let mut depth = T::zero();
             for i in 0..count.min(64) {
                 let (middle, width) = light_step::<T>(i, count);
                 depth = depth + density.sample(at(middle * way), mip) * width * way;
             }
-            (-depth).exp()
+            (-depth * sine).exp()
         }
         LightModel::Near(count) => {
             let count = count.clamp(1, 64);
@@ -127,15 +131,15 @@ pub fn slab_visibility<T: Real>(
                 let middle = (T::of(f64::from(i)) + T::of(0.5)) * step;
                 depth = depth + density.sample(at(middle), mip) * step;
             }
-            (-depth).exp() * column_transmittance(density.column(at(near)[2]), mu)
+            (-depth * sine).exp() * column_transmittance(sine * density.column(at(near)[2]), mu)
         }
     }
 }
 
 /// Length of a ray worth marching, in heights.
-fn slab_length<T: Real>(density: &Density, mu: T, clip: T) -> T {
+fn slab_length<T: Real>(density: &Density, mu: T, clip: T, sine: T) -> T {
     let (depth, power) = (f64::from(density.mean()), f64::from(density.power()));
-    (T::one() - march_floor(mu, T::of(depth), T::of(power), clip)) / mu
+    (T::one() - march_floor(mu, sine * T::of(depth), T::of(power), clip)) / mu
 }
 
 /// Radiance towards the eye under a directional light of irradiance pi (a white diffuse wall facing it has radiance 1), with an opaque
@@ -151,7 +155,7 @@ pub fn slab_radiance<T: Real>(
     let tiles = T::one() / T::of(f64::from(density.width()));
     let whole = T::one() / mu;
     let mean = T::of(f64::from(density.mean()));
-    let length = slab_length(density, mu, settings.clip);
+    let length = slab_length(density, mu, settings.clip, settings.sines[0]);
     let depth = mean;
     let factor = [0, 1, 2].map(|k: usize| {
         let single = pi * kajiya_kay_diffuse(coat.albedo[k], T::zero(), T::one());
@@ -174,9 +178,17 @@ pub fn slab_radiance<T: Real>(
     let count = settings.steps.ceil().to_u32().unwrap_or(1).clamp(1, 64);
     for i in 0..count {
         let (share, width) = march_step(i, settings.steps, settings.jitter);
-        let depth = density.sample(at(share * length), settings.mip) * width * length;
+        let depth =
+            density.sample(at(share * length), settings.mip) * settings.sines[0] * width * length;
         let lit = at((share + (march_lit(depth) - settings.jitter) * width) * length);
-        let visible = slab_visibility(density, lit, ray.light, settings.light, settings.mip);
+        let visible = slab_visibility(
+            density,
+            lit,
+            ray.light,
+            settings.light,
+            settings.mip,
+            settings.sines[1],
+        );
         march = march.add(depth, factor.map(|f| f * visible), share * length);
         // A short last step counts for its share: nothing jumps as steps come and go.
         last = last + (visible - last) * clamp(width * settings.steps, T::zero(), T::one());
@@ -186,7 +198,14 @@ pub fn slab_radiance<T: Real>(
         return march.over(factor.map(|f| f * last));
     }
     let place = at(whole);
-    let mut visible = slab_visibility(density, place, ray.light, settings.light, settings.mip);
+    let mut visible = slab_visibility(
+        density,
+        place,
+        ray.light,
+        settings.light,
+        settings.mip,
+        settings.sines[1],
+    );
     visible = visible * ray.light[2].max(T::zero());
     march.over(coat.skin.map(|s| s * visible))
 }
@@ -202,7 +221,7 @@ pub fn slab_sky<T: Real>(
     let tiles = T::one() / T::of(f64::from(density.width()));
     let whole = T::one() / mu;
     let mean = T::of(f64::from(density.mean()));
-    let length = slab_length(density, mu, settings.clip);
+    let length = slab_length(density, mu, settings.clip, settings.sines[0]);
     let mut march = March::default();
     let mut last = [T::zero(); 3];
     let count = settings.steps.ceil().to_u32().unwrap_or(1).clamp(1, 64);
@@ -214,7 +233,7 @@ pub fn slab_sky<T: Real>(
             ray.place[1] - t * ray.eye[1] * tiles,
             T::one() - t * ray.eye[2],
         ];
-        let depth = density.sample(place, settings.mip) * width * length;
+        let depth = density.sample(place, settings.mip) * settings.sines[0] * width * length;
         let lit = T::one() - (share + (march_lit(depth) - settings.jitter) * width) * length * mu;
         // Half the sky above, through the mean column.
         let visible = T::of(0.5) * sky_visibility(density.column(lit));

@@ -2,16 +2,16 @@
 
 use super::{
     Density,
-    slab::{Coat, LightModel, SlabRay, SlabSettings, slab_radiance, slab_sky},
+    march::march_mip,
+    slab::{Coat, SlabRay, SlabSettings, slab_radiance, slab_sky},
 };
 use crate::query::math::{Real, clamp};
 
 /// Thickness in pixels from which the near tier, and the middle tier, draw.
 pub const TIER_PX: [f64; 2] = [12.0, 3.0];
 
-/// Width of a transition, as a share of its thickness. The study's 0.25 changes three times as much from frame to frame; the shares of one
-/// march blend here, so that a wide transition costs no more.
-pub const TRANSITION: f64 = 0.8;
+/// Width of a transition, as a share of its thickness. The study's 0.25 takes a dolly a little over 1/255 a frame.
+pub const TRANSITION: f64 = 0.35;
 
 /// Contrast of down against a skin tinted with its mean colour (an estimate of the study).
 pub const CONTRAST: f64 = 0.3;
@@ -43,11 +43,11 @@ pub fn is_drawn<T: Real>(cover: T, lift: T, contrast: T, error: T, drawn: bool) 
 pub struct TierMix<T> {
     /// Near: 16 steps, 4 light steps.
     pub near: T,
-    /// Middle: 8 steps one level up, mean column.
+    /// Middle: 14 steps one level up, mean column.
     pub middle: T,
     /// Far: the table.
     pub far: T,
-    /// Steps of the march, 8..=16, fractional.
+    /// Steps of the march, 14..=16, fractional: the study's 8 cost the middle tier 9 % of its mean seen from above.
     pub steps: T,
     /// Level of the density's chain, 0..=1.
     pub mip: T,
@@ -69,7 +69,7 @@ pub fn tier_mix<T: Real>(thickness: T, px: [T; 2]) -> TierMix<T> {
         near,
         middle: above - near,
         far: T::one() - above,
-        steps: T::of(8.0) + T::of(8.0) * near,
+        steps: T::of(14.0) + T::of(2.0) * near,
         mip: T::one() - near,
         rim: clamp(thickness / px[1].max(T::of(1e-3)), T::zero(), T::one()),
     }
@@ -206,40 +206,66 @@ impl FarTable {
     }
 }
 
-/// What the light by the mean column must be multiplied with, that its mean is that of the light marched by four steps:
-/// `eye + FAR_SIZE * light` over [`far_cosine`], 0.25..=4. From `rays` rays a node and azimuth; the coat's colour hardly matters.
-pub fn column_correction(density: &Density, rays: u32) -> [f32; FAR_SIZE * FAR_SIZE] {
+/// What the middle tier must be multiplied with, that its mean is that of the near one, 0.25..=4: of the light,
+/// `eye + FAR_SIZE * light` over [`far_cosine`], then of the sky by the eye. From `rays` rays a node and azimuth; the coat's colour
+/// hardly matters.
+///
+/// `blocked` is what the fibres block of a ray by its cosine to the normal, over what the density says. Both tiers look at the level
+/// that a pixel has where they meet.
+pub fn tier_correction(
+    density: &Density,
+    rays: u32,
+    blocked: impl Fn(f32) -> f32,
+) -> [f32; FAR_SIZE * (FAR_SIZE + 1)] {
     let coat = Coat {
         albedo: [0.8f32; 3],
         skin: [0.4; 3],
     };
-    let column = SlabSettings {
-        light: LightModel::MeanColumn,
-        ..SlabSettings::near()
-    };
+    let cells = density.levels()[0].size.x as f32 / density.width();
+    let level = march_mip(cells / TIER_PX[0] as f32, 2.0);
     let count = 2 * rays.clamp(1, 65_536);
+    let ray = |i: u32, eye: f32, light: f32| {
+        let share = |step: f64| (f64::from(i) * step).fract() as f32;
+        let turn = std::f32::consts::TAU * share(0.754_877_666_246_693);
+        let apart = if i.is_multiple_of(2) { 60.0f32 } else { 120.0 }.to_radians();
+        let direction = |cosine: f32, azimuth: f32| {
+            let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+            [sine * azimuth.cos(), sine * azimuth.sin(), cosine]
+        };
+        SlabRay {
+            place: [
+                (i as f32 + 0.5) / count as f32,
+                share(0.618_033_988_749_895),
+            ],
+            eye: direction(eye, turn),
+            light: direction(light, turn + apart),
+        }
+    };
     std::array::from_fn(|node| {
         let eye = far_cosine(node % FAR_SIZE);
         let light = far_cosine(node / FAR_SIZE);
+        let near = SlabSettings {
+            mip: level,
+            sines: [blocked(eye), blocked(light)],
+            ..SlabSettings::near()
+        };
+        let middle = SlabSettings {
+            steps: 14.0,
+            mip: level.max(1.0),
+            sines: near.sines,
+            ..SlabSettings::middle()
+        };
         let (mut fine, mut rough) = (0.0, 0.0);
         for i in 0..count {
-            let share = |step: f64| (f64::from(i) * step).fract() as f32;
-            let turn = std::f32::consts::TAU * share(0.754_877_666_246_693);
-            let apart = if i % 2 == 0 { 60.0f32 } else { 120.0 }.to_radians();
-            let direction = |cosine: f32, azimuth: f32| {
-                let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-                [sine * azimuth.cos(), sine * azimuth.sin(), cosine]
-            };
-            let ray = SlabRay {
-                place: [
-                    (i as f32 + 0.5) / count as f32,
-                    share(0.618_033_988_749_895),
-                ],
-                eye: direction(eye, turn),
-                light: direction(light, turn + apart),
-            };
-            fine += slab_radiance(density, &coat, &ray, &SlabSettings::near())[1];
-            rough += slab_radiance(density, &coat, &ray, &column)[1];
+            if node < FAR_SIZE * FAR_SIZE {
+                let ray = ray(i, eye, light);
+                fine += slab_radiance(density, &coat, &ray, &near)[1];
+                rough += slab_radiance(density, &coat, &ray, &middle)[1];
+            } else {
+                let ray = ray(i, eye, 1.0);
+                fine += slab_sky(density, &coat, &ray, &near)[1];
+                rough += slab_sky(density, &coat, &ray, &middle)[1];
+            }
         }
         (fine / rough.max(1e-6)).clamp(0.25, 4.0)
     })

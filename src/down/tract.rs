@@ -3,12 +3,13 @@
 use super::{
     Down, Undercoat, UndercoatSettings, UndercoatState,
     bake::Bakes,
+    material::UndercoatMaterial,
     pack::{PackedShell, ShellShape},
     tier::{CONTRAST, cover_now, is_drawn},
-    wear::{Grown, Stores, Wear},
+    wear::{Grown, Lies, Stores, Wear},
 };
 use crate::{
-    groom::{Groom, PlumageCards, PlumageGround},
+    groom::{Groom, Ground, PlumageCards, PlumageGround, SkinMesh},
     render::{RUFFLE_LIFT, Ruffle},
 };
 use bevy::{
@@ -28,6 +29,72 @@ pub fn draws_down(cover: f32, lift: f32, error: f32, drawn: bool) -> bool {
     let limit = OPEN_LIFT * if drawn { 0.7 } else { 1.0 };
     let cover = cover_now(cover, lift, 1.0, 0.0);
     lift > limit || error <= 0.0 || is_drawn(cover, 0.0, CONTRAST as f32, error, drawn)
+}
+
+/// Whether feathers at rest hide the down of a tract.
+fn is_hidden(cover: f32) -> bool {
+    !draws_down(cover, 0.0, 1.0 / 255.0, false)
+}
+
+/// Share by which the down of a tract is seen, the rest is the painted skin: feathers at rest hide it so well that the skin, painted like
+/// them, stands for it; those raised by 1.7 times the limit show all of it. `cover` and `lift` as in [`draws_down`].
+pub fn shown_share(cover: f32, lift: f32, error: f32) -> f32 {
+    if is_drawn(cover, 0.0, CONTRAST as f32, error.max(1e-6), false) && error > 0.0 {
+        return 1.0;
+    }
+    let x = (lift / OPEN_LIFT - 0.7).clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
+/// The triangles of a tract, and those of others around it: coats that end at the same edge would leave a seam.
+fn with_seam(skin: &SkinMesh, tracts: &[Ground], own: &Ground) -> Vec<bool> {
+    let has = |ground: &Ground, t: usize| ground.triangles.get(t) == Some(&true);
+    let node = |v: &u32| skin.node_of.get(*v as usize).map(|n| *n as usize);
+    let mut touched = vec![false; skin.nodes.len()];
+    for (t, corners) in skin.triangles.iter().enumerate() {
+        if has(own, t) {
+            for at in corners.iter().filter_map(node) {
+                touched[at] = true;
+            }
+        }
+    }
+    let near = |corners: &[u32; 3]| corners.iter().filter_map(node).any(|at| touched[at]);
+    let list = skin.triangles.iter().enumerate();
+    list.map(|(t, corners)| near(corners) && tracts.iter().any(|ground| has(ground, t)))
+        .collect()
+}
+
+/// The triangles of a tract that lie further than `margin` from where no tract is: at the rim of the plumage the feathers are short.
+fn within(skin: &SkinMesh, tracts: &[Ground], own: &Ground, margin: f32) -> Vec<bool> {
+    let feathered = |t: usize| tracts.iter().any(|g| g.triangles.get(t) == Some(&true));
+    let mut sides = vec![(false, false); skin.nodes.len()];
+    let node = |v: &u32| skin.node_of.get(*v as usize).map(|n| *n as usize);
+    for (t, corners) in skin.triangles.iter().enumerate() {
+        let inside = feathered(t);
+        for side in corners.iter().filter_map(node) {
+            if let Some(side) = sides.get_mut(side) {
+                if inside { side.0 = true } else { side.1 = true }
+            }
+        }
+    }
+    let rim: Vec<Vec3> = sides
+        .iter()
+        .zip(&skin.nodes)
+        .filter(|((inside, outside), _)| *inside && *outside)
+        .map(|(_, place)| *place)
+        .collect();
+    let far = |t: usize| {
+        let corners = skin.triangles[t].map(|v| skin.positions[v as usize]);
+        rim.iter().all(|p| {
+            corners
+                .iter()
+                .all(|c| c.distance_squared(*p) >= margin * margin)
+        })
+    };
+    let count = skin.triangles.len();
+    (0..count)
+        .map(|t| own.triangles.get(t) == Some(&true) && far(t))
+        .collect()
 }
 
 enum Stage {
@@ -115,6 +182,7 @@ pub(super) fn tend_tracts(
     mut birds: Query<(Entity, &mut BirdDown, &PlumageGround, &PlumageCards)>,
     mut states: Query<&mut UndercoatState>,
     mut shown: Query<&mut Visibility>,
+    worn: Query<&MeshMaterial3d<UndercoatMaterial>>,
 ) {
     for (bird, mut tracts, ground, cards) in &mut birds {
         let groom = grooms.get(&cards.groom);
@@ -139,6 +207,10 @@ pub(super) fn tend_tracts(
                     if let Ok(mut visibility) = shown.get_mut(*entity) {
                         visibility.set_if_neq(wanted);
                     }
+                    if let Ok(coat) = worn.get(*entity) {
+                        let share = shown_share(ground_of.cover, lift, settings.skip_error);
+                        assets.show(coat, share);
+                    }
                     drawn += u32::from(tract.drawn);
                 }
                 Stage::Idle => {
@@ -162,14 +234,21 @@ pub(super) fn tend_tracts(
                             tract.stage = Stage::Busy(pool.spawn(async move {
                                 let own = all.iter().find(|tract| tract.region == region);
                                 let own = own.ok_or_else(String::new)?;
+                                let hidden = is_hidden(own.cover);
                                 let shape = ShellShape {
                                     height: 1.0e-3 * down.thickness_mm,
                                     world_scale: 1.0,
                                     tile: down.tile_metres(),
                                     lay: Vec3::from(down.lay),
                                     offset: Vec2::ZERO,
+                                    sunk: hidden,
                                 };
-                                let chosen = |t: usize| own.triangles.get(t) == Some(&true);
+                                let inner = if hidden {
+                                    within(&skin, &all, own, 2.0 * shape.height)
+                                } else {
+                                    with_seam(&skin, &all, own)
+                                };
+                                let chosen = |t: usize| inner.get(t) == Some(&true);
                                 let shell =
                                     PackedShell::build(&skin, chosen, Some(&own.lay), &shape)
                                         .map_err(|error| error.to_string())?;
@@ -202,7 +281,11 @@ pub(super) fn tend_tracts(
                                 coat: &Undercoat::default(),
                                 strands: None,
                                 settings: &settings,
-                                over_skin: true,
+                                lies: if is_hidden(ground_of.cover) {
+                                    Lies::Sunk
+                                } else {
+                                    Lies::OnSkin
+                                },
                             };
                             let coat = wear.spawn(&mut commands, &mut assets, grown, &mut state);
                             if let Some(coat) = coat {
@@ -227,6 +310,23 @@ pub(super) fn tend_tracts(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The colour comes in only where the down is drawn already, so that drawing it shows nothing at first.
+    #[test]
+    fn down_shows_its_colour_as_feathers_rise() {
+        let error = 1.0 / 255.0;
+        assert_eq!(shown_share(8.0, 0.0, error), 0.0);
+        assert_eq!(shown_share(8.0, 0.0, 0.0), 0.0);
+        assert_eq!(shown_share(3.0, 0.0, error), 1.0);
+        assert!(shown_share(8.0, OPEN_LIFT, error) < 0.25);
+        assert_eq!(shown_share(8.0, 0.8 * RUFFLE_LIFT, error), 1.0);
+        let mut last = 0.0;
+        for i in 0..=140 {
+            let now = shown_share(8.0, i as f32 * 1e-1f32.to_radians(), error);
+            assert!(now >= last && now - last < 0.05);
+            last = now;
+        }
+    }
 
     #[test]
     fn four_feathers_hide_the_down() {

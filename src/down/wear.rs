@@ -94,8 +94,30 @@ pub(super) struct Wear<'a> {
     pub coat: &'a Undercoat,
     pub strands: Option<&'a GuardStrands>,
     pub settings: &'a UndercoatSettings,
-    /// The depth written is that of the skin: whatever lies over the skin covers the coat.
-    pub over_skin: bool,
+    pub lies: Lies,
+}
+
+/// Where a coat lies, which is the depth that it writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Lies {
+    /// By itself: its own depth.
+    Alone,
+    /// Around a skin with sparse feathers: the depth of the skin, whatever lies over that covers the coat.
+    OnSkin,
+    /// Below the skin of a bird, whose feathers hide it at rest: the depth of its top.
+    Sunk,
+}
+
+impl Stores<'_> {
+    /// Gives a coat its own colour to this share, the skin's to the rest.
+    pub(super) fn show(&mut self, coat: &MeshMaterial3d<UndercoatMaterial>, share: f32) {
+        let unlike = |material: &UndercoatMaterial| (material.uniform.paint.x - share).abs() > 2e-3;
+        if self.coats.get(coat.id()).is_some_and(unlike)
+            && let Some(mut material) = self.coats.get_mut(coat.id())
+        {
+            material.uniform.paint.x = share;
+        }
+    }
 }
 
 fn storage(data: Vec<u8>, label: &'static str) -> ShaderBuffer {
@@ -155,7 +177,7 @@ impl Wear<'_> {
             self.coat,
             self.settings,
             (nodes, prisms),
-            self.over_skin,
+            self.lies,
         );
         let coat = grown.coat.map(|mesh| {
             state.bytes += mesh.count_vertices() as u64 * mesh.get_vertex_size();
@@ -225,7 +247,7 @@ pub(super) fn uniform_of(
     coat: &Undercoat,
     settings: &UndercoatSettings,
     counts: (u32, u32),
-    over_skin: bool,
+    lies: Lies,
 ) -> UndercoatUniform {
     let table = &baked.table;
     UndercoatUniform {
@@ -254,8 +276,18 @@ pub(super) fn uniform_of(
             down.bend,
             settings.tier_px[0],
             settings.tier_px[1],
-            if over_skin { 0.0 } else { 1.0 },
+            match lies {
+                Lies::Alone => 1.0,
+                Lies::OnSkin => 0.0,
+                Lies::Sunk => -1.0,
+            },
         ),
+        // Under feathers at rest it passes for the skin, which is painted like them.
+        paint: match lies {
+            Lies::Alone => Vec4::new(1.0, 1.0, 0.0, 0.0),
+            Lies::OnSkin => Vec4::X,
+            Lies::Sunk => Vec4::ZERO,
+        },
         bands: table.bands,
         column: table.column,
         correction: table.correction,

@@ -77,6 +77,17 @@ fn march_lit(depth: f32) -> f32 {
     return 0.25 + 0.5 / (2.0 + d * (1.0 / 3.0) + d * d * (1.0 / 18.0));
 }
 
+// How far a fibre has come along the lay at height z, in heights of the coat.
+fn lean_shift(z: f32, bend: f32) -> f32 {
+    let b = clamp(bend, 0.0, 0.95);
+    let h = clamp(z, 0.0, 1.0);
+    let x = b * h;
+    if x < 0.05 {
+        return h * x * (0.5 + x * (1.0 / 3.0 + x * 0.25));
+    }
+    return -h - log(1.0 - x) / b;
+}
+
 fn march_jitter(noise: f32, frame: u32) -> f32 {
     return fract(noise + f32(frame & 1023u) * 0.618033988749895);
 }

@@ -14,7 +14,7 @@ struct TierMix {
 }
 
 fn tier_ramp(thickness: f32, limit: f32) -> f32 {
-    let x = clamp((thickness - limit) / (max(limit, 1e-3) * 0.8) + 0.5, 0.0, 1.0);
+    let x = clamp((thickness - limit) / (max(limit, 1e-3) * 0.35) + 0.5, 0.0, 1.0);
     return x * x * (3.0 - x - x);
 }
 
@@ -25,7 +25,7 @@ fn tier_mix(thickness: f32, px: vec2<f32>) -> TierMix {
         near,
         above - near,
         1.0 - above,
-        8.0 + 8.0 * near,
+        14.0 + 2.0 * near,
         1.0 - near,
         clamp(thickness / max(px.y, 1e-3), 0.0, 1.0),
     );

@@ -24,6 +24,7 @@
     MAX_CELLS,
     NO_FACE,
     NO_LINK,
+    PrismCorners,
     Walk,
     face_place,
     face_tet,
@@ -77,8 +78,8 @@ fn pixels_of(height: f32, world: vec3<f32>) -> f32 {
 fn tier_of(height_px: f32) -> TierMix {
     switch coat.counts.w {
         case 1u: { return TierMix(1.0, 0.0, 0.0, 16.0, 0.0, 1.0); }
-        case 2u: { return TierMix(0.0, 1.0, 0.0, 8.0, 1.0, 1.0); }
-        case 3u: { return TierMix(0.0, 0.0, 1.0, 8.0, 1.0, saturate(height_px / 3.0)); }
+        case 2u: { return TierMix(0.0, 1.0, 0.0, 14.0, 1.0, 1.0); }
+        case 3u: { return TierMix(0.0, 0.0, 1.0, 14.0, 1.0, saturate(height_px / 3.0)); }
         default: { return tier_mix(height_px, coat.shape.yz); }
     }
 }
@@ -100,10 +101,11 @@ fn place_of(
     p.normal = frame.normal;
     p.tangent = normalize(mix(frame.normal, frame.lay, 0.999 * coat.shape.x * z));
     p.to_eye = to_eye;
-    p.albedo = frame.colour * mix(coat.colour.rgb, coat.tip_colour.rgb, z);
+    p.albedo = mix(vec3(1.0), frame.colour, coat.paint.y) * mix(coat.colour.rgb, coat.tip_colour.rgb, z);
     p.spread = mix(coat.fibre.x, coat.fibre.y, z);
     p.grad_u = gradient.u * height;
     p.grad_v = gradient.v * height;
+    p.lean = vec2(dot(p.grad_u, frame.lay), dot(p.grad_v, frame.lay));
     p.level = march_mip(data::cells_along(p.grad_u) / max(height_px, 1e-3), 2.0);
     p.level = max(p.level, mip);
     return p;
@@ -130,7 +132,7 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
     let p = place_of(cell, data::tile_gradient(cell), in.place, to_eye, height_px, 0.0);
     let f = lighting::fragment_of(vec4(in.world, 1.0), p.normal, in.position, in.instance);
     let s = light::surroundings_of(f);
-    let extinction = data::extinction_at(p.at, p.level) * extinction_sine(dot(p.tangent, to_eye), p.spread);
+    let extinction = data::extinction_at(light::root_of(p, p.at), p.level) * extinction_sine(dot(p.tangent, to_eye), p.spread);
     // The way through the slab, not its thickness.
     let way = 1.0 / (f32(max(coat.steps.z, 1u)) * max(abs(dot(p.normal, to_eye)), 0.05));
     let alpha = 1.0 - exp(-extinction * way);
@@ -155,11 +157,17 @@ struct Journey {
     cell: data::PrismCell,
     // Why there is no next cell.
     ended: u32,
+    // Face of a wall through which it has left.
+    wall: u32,
     // Of the last cell crossed.
     t: f32,
     place: vec4<f32>,
 }
 
+// A ray of which more is left where the mean coat is opaque has met a gap in it.
+const GAP: f32 = 0.25;
+// Pixels by which a ray must pass the rim of the skin to count as one that leaves into the air.
+const NEAR_RIM: f32 = 1.5;
 const GOING: u32 = 0u;
 const ON_SKIN: u32 = 1u;
 const IN_AIR: u32 = 2u;
@@ -170,6 +178,7 @@ fn journey_begin(start: u32, origin: vec3<f32>, direction: vec3<f32>) -> Journey
     j.cell = data::prism_at(j.prism, origin);
     j.walk = walk_start(j.cell.corners, start & 15u, vec3(0.0), direction);
     j.ended = GOING;
+    j.wall = NO_FACE;
     return j;
 }
 
@@ -206,12 +215,37 @@ fn journey_on(j: ptr<function, Journey>, face: u32, origin: vec3<f32>, direction
     let link = (*j).cell.links[(face - 4u) % 3u];
     if (link == NO_LINK) {
         (*j).ended = IN_AIR;
+        (*j).wall = face;
         return;
     }
     (*j).prism = link >> 2u;
     (*j).cell = data::prism_at((*j).prism, origin);
     let other = linked_face(face, link);
     (*j).walk = Walk(face_tet(other), other, (*j).t, face_place((*j).cell.corners, other, (*j).t * direction));
+}
+
+// Distance of a ray from the skin's rim below a wall; far for faces that are no wall.
+fn rim_distance(corners: PrismCorners, face: u32, direction: vec3<f32>) -> f32 {
+    if (face < 4u || face > 9u) {
+        return 1e9;
+    }
+    let wall = (face - 4u) % 3u;
+    let first = select(corners.a, corners.b, wall == 1u);
+    let second = select(corners.c, corners.b, wall == 0u);
+    // Seen along the ray.
+    let p = first - direction * dot(first, direction);
+    let q = second - direction * dot(second, direction);
+    let x = saturate(-dot(p, q - p) / max(dot(q - p, q - p), 1e-20));
+    return length(mix(p, q, x));
+}
+
+// Beyond the last step the next are as long.
+fn step_of(i: u32, count: u32, steps: f32, jitter: f32) -> vec2<f32> {
+    if (i < count) {
+        return march_step(i, steps, jitter);
+    }
+    let n = clamp(steps, 1.0, 64.0);
+    return vec2(1.0 + (f32(i - count) + jitter) / n, 1.0 / n);
 }
 
 @fragment
@@ -224,6 +258,8 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     var j = journey_begin(in.start, origin, direction);
     let entry_height = dot(j.cell.heights, j.walk.place.xyz);
     let height_px = pixels_of(entry_height, origin);
+    let entry_colour = data::frame_at(j.cell, j.walk.place.xyz).colour;
+    var rim = rim_distance(j.cell.corners, in.start & 15u, direction);
     let entry = place_of(j.cell, data::tile_gradient(j.cell), j.walk.place, to_eye, height_px, 0.0);
 #ifndef SAMPLE_COVERAGE
     // It moves with the skin, so that the rim does not swim.
@@ -253,14 +289,14 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
             break;
         }
     }
-    let on_skin = j.ended == ON_SKIN;
-    let end = j.t;
-    let end_frame = data::frame_at(j.cell, j.place.xyz);
+    rim = min(rim, rim_distance(j.cell.corners, j.wall, direction));
+    var on_skin = j.ended == ON_SKIN;
+    var end = j.t;
+    var end_frame = data::frame_at(j.cell, j.place.xyz);
 
     let tier = tier_of(height_px);
-    // The far tier is the middle one once more by half.
-    let steps = tier.steps / 16.0 * (1.0 - 0.5 * tier.far) * f32(coat.steps.x);
-    let mip = tier.mip + tier.far;
+    let steps = tier.steps / 16.0 * f32(coat.steps.x);
+    let mip = tier.mip;
     var jitter = 0.5;
     if (coat.steps.w != 0u) {
         jitter = march_jitter(pixel_noise(in.position.xy), vb::globals.frame_count);
@@ -276,16 +312,18 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     var walked = 0.0;
     var next = 0u;
     let count = u32(ceil(clamp(steps, 1.0, 64.0)));
+    // Where the mean coat is opaque but this ray has met a gap, it goes on as far again.
+    let most = select(count, 2u * count, clipped);
     for (var i = 0u; i < MAX_CELLS; i++) {
         let face = journey_across(&j, direction);
         let here = (j.t - j.walk.t) / max(dot(j.cell.heights, 0.5 * (j.place.xyz + j.walk.place.xyz)), 1e-7);
-        var step = march_step(next, steps, jitter);
-        if (next < count && step.x * way <= walked + here) {
+        var step = step_of(next, count, steps, jitter);
+        if (next < most && step.x * way <= walked + here) {
             let gradient = data::tile_gradient(j.cell);
-            while (next < count && step.x * way <= walked + here) {
+            while (next < most && step.x * way <= walked + here) {
                 let x = saturate((step.x * way - walked) / max(here, 1e-9));
                 let p = place_of(j.cell, gradient, mix(j.walk.place, j.place, x), to_eye, height_px, mip);
-                let extinction = data::extinction_at(p.at, p.level) * extinction_sine(dot(p.tangent, direction), p.spread);
+                let extinction = data::extinction_at(light::root_of(p, p.at), p.level) * extinction_sine(dot(p.tangent, direction), p.spread);
                 let depth = extinction * step.y * way;
                 if (depth > 1e-4) {
                     let before = march.transmittance;
@@ -305,16 +343,25 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
                     }
                 }
                 next += 1u;
-                step = march_step(next, steps, jitter);
+                step = step_of(next, count, steps, jitter);
+                if (next == count && march.transmittance < GAP) {
+                    next = most;
+                }
             }
         }
         walked += here;
         journey_on(&j, face, origin, direction);
-        if (j.ended != GOING || next >= count || march.transmittance < OPAQUE) {
+        if (j.ended != GOING || next >= most || march.transmittance < OPAQUE) {
             break;
         }
     }
 
+    if (clipped && march.transmittance >= GAP && j.ended != GOING) {
+        clipped = false;
+        on_skin = j.ended == ON_SKIN;
+        end = j.t;
+        end_frame = data::frame_at(j.cell, j.place.xyz);
+    }
     let seen = max(1.0 - march.transmittance, 1e-4);
     var color = march.radiance / seen;
     var alpha = 1.0;
@@ -326,6 +373,17 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     } else {
         // A coat thinner than a few pixels covers less of them.
         alpha = (1.0 - march.transmittance) * tier.rim;
+        // By itself, one that misses the rim of the skin by less than a pixel stands for samples that do not.
+        let graze = 1.0 - smoothstep(0.5 * NEAR_RIM, NEAR_RIM, pixels_of(rim, origin));
+        if (graze > 0.0 && coat.shape.w > 0.5) {
+            color = mix(color, march_over(march, light::skin_radiance(f, s, end_frame.normal)), graze);
+            alpha = max(alpha, graze);
+        }
+    }
+    if (coat.paint.x < 1.0) {
+        let painted = light::painted_radiance(f, s, entry_colour, entry.normal, to_eye);
+        color = mix(painted, color, coat.paint.x);
+        alpha = mix(1.0, alpha, coat.paint.x);
     }
     color *= lighting::exposure();
     switch coat.counts.z {
@@ -341,7 +399,12 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
         default: {}
     }
 
-    let depth_at = select(min(march_mean_distance(march), end), end - 0.05 * entry_height, coat.shape.w < 0.5);
+    var depth_at = min(march_mean_distance(march), end);
+    if (coat.shape.w < -0.5) {
+        depth_at = -0.05 * entry_height;
+    } else if (coat.shape.w < 0.5) {
+        depth_at = end - 0.05 * entry_height;
+    }
     let clip = position_world_to_clip(origin + direction * depth_at);
     var out: FragmentOutput;
 #ifdef SAMPLE_COVERAGE

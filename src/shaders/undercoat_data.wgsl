@@ -16,12 +16,14 @@ struct UndercoatUniform {
     skin: vec4<f32>,
     // Spread at skin and tips; share and exponent of the highlight.
     fibre: vec4<f32>,
-    // Lean; thickness on the screen of near and of far; 0: depth of the skin, 1: of the coat.
+    // Lean; thickness on the screen of near and of far; 1: depth of the coat, 0: of the skin, -1: of its top.
     shape: vec4<f32>,
+    // Share of the coat, the rest is the painted skin; 1: the skin's colours tint it.
+    paint: vec4<f32>,
     bands: array<vec4<f32>, 8>,
     column: array<vec4<f32>, 8>,
-    // Light marched over light by the mean column, by the cosines of eye and light.
-    correction: array<vec4<f32>, 16>,
+    // Near over middle tier, by the cosines of eye and light, then of the sky by that of the eye.
+    correction: array<vec4<f32>, 18>,
 }
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> coat: UndercoatUniform;
@@ -183,7 +185,15 @@ fn correction_node(i: u32) -> f32 {
     return coat.correction[i / 4u][i % 4u];
 }
 
-// What light by the mean column is multiplied with, that the tiers agree in the mean.
+// What the sky of the middle tier is multiplied with.
+fn sky_correction(eye: f32) -> f32 {
+    let x = far_node(eye);
+    let i = min(u32(x), FAR_SIZE - 2u);
+    let first = FAR_SIZE * FAR_SIZE + i;
+    return mix(correction_node(first), correction_node(first + 1u), x - f32(i));
+}
+
+// What the light of the middle tier, by the mean column, is multiplied with, that the tiers agree in the mean.
 fn column_correction(eye: f32, light: f32) -> f32 {
     let x = vec2(far_node(eye), far_node(light));
     let low = min(floor(x), vec2(f32(FAR_SIZE - 2u)));

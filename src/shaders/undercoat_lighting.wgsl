@@ -10,7 +10,7 @@
     scattering_albedo,
     sky_irradiance,
 }
-#import bevy_plumage::down_march::extinction_sine
+#import bevy_plumage::down_march::{extinction_sine, lean_shift}
 #import bevy_plumage::down_transfer::{
     Four,
     TransferBands,
@@ -86,8 +86,15 @@ struct Place {
     // Change of the place in the tile per height of the coat, towards a direction: of u and of v.
     grad_u: vec3<f32>,
     grad_v: vec3<f32>,
+    // The same along the lay.
+    lean: vec2<f32>,
     // Level of the density that a pixel resolves.
     level: f32,
+}
+
+// Where in the upright tile the leaning fibres of a place come from.
+fn root_of(p: Place, at: vec3<f32>) -> vec3<f32> {
+    return vec3(at.xy - p.lean * lean_shift(at.z, data::coat.shape.x), at.z);
 }
 
 // Share of a light that reaches a place, by a march through the tile.
@@ -105,7 +112,8 @@ fn marched_visibility(p: Place, light: vec3<f32>, count: u32) -> f32 {
         let x = step.x * way;
         // A bent skin falls away below the ray.
         let rise = 0.5 * CURVATURE * x * x * (1.0 - mu * mu);
-        depth += data::extinction_at(p.at + x * slope + vec3(0.0, 0.0, rise), p.level) * (step.y * way);
+        let at = root_of(p, p.at + x * slope + vec3(0.0, 0.0, rise));
+        depth += data::extinction_at(at, p.level) * (step.y * way);
     }
     return exp(-depth * sine);
 }
@@ -124,7 +132,7 @@ fn column_visibility(p: Place, light: vec3<f32>) -> f32 {
 
 // What of the light from all around reaches a place: four numbers, turned into the world.
 fn transfer_at(p: Place) -> Four {
-    let texel = textureSampleLevel(data::transfer_texture, data::tile_sampler, p.at, 0.0);
+    let texel = textureSampleLevel(data::transfer_texture, data::tile_sampler, root_of(p, p.at), 0.0);
     let x = p.grad_u / max(length(p.grad_u), 1e-9);
     let y = p.grad_v / max(length(p.grad_v), 1e-9);
     return transfer_rotate(transfer_decode(texel, TransferBands(data::coat.bands)), mat3x3(x, y, p.normal));
@@ -161,7 +169,35 @@ fn coat_source(p: Place, s: Surroundings, near: f32) -> vec3<f32> {
         sum += light.color * visible * lobe * multiple_scattering(eye_mu, mu, albedo);
     }
     let sky = transfer_zonal(transfer_at(p), TransferBands(data::coat.bands), s.sky);
-    return sum + p.albedo * sky * multiple_scattering(eye_mu, 0.5, albedo);
+    let even = mix(data::sky_correction(eye_mu), 1.0, near);
+    return sum + p.albedo * sky * even * multiple_scattering(eye_mu, 0.5, albedo);
+}
+
+// Radiance of a skin painted like the feathers over it, as the standard material of birds draws it: dull (roughness 0.85), with
+// the reflectance of keratin. For the surroundings the split sum of Karis 2014, for lights GGX.
+fn painted_radiance(f: lighting::Fragment, s: Surroundings, albedo: vec3<f32>, normal: vec3<f32>, to_eye: vec3<f32>) -> vec3<f32> {
+    let facing = max(dot(normal, to_eye), 1e-3);
+    let around = lighting::environment(f, normal, reflect(-to_eye, normal), 0.85);
+    let r = 0.85 * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+    let glancing = min(r.x * r.x, exp2(-9.28 * facing)) * r.x + r.y;
+    let split = vec2(-1.04, 1.04) * glancing + r.zw;
+    var sum = albedo * around.irradiance + around.radiance * (0.04 * split.x + split.y);
+    // Fourth power of the roughness.
+    let square = 0.522;
+    for (var i = 0u; i < s.count; i++) {
+        let light = s.lights[i].direction;
+        let mu = dot(normal, light);
+        if (mu <= 0.0) {
+            continue;
+        }
+        let half_way = normalize(light + to_eye);
+        let d = dot(normal, half_way) * dot(normal, half_way) * (square - 1.0) + 1.0;
+        let masked = mu * sqrt(facing * facing * (1.0 - square) + square) + facing * sqrt(mu * mu * (1.0 - square) + square);
+        let mirrored = 0.04 + 0.96 * pow(saturate(1.0 - dot(light, half_way)), 5.0);
+        let gloss = mirrored * 0.5 / max(masked, 1e-4) * square / (d * d);
+        sum += s.lights[i].color * (mu / 3.14159265) * (albedo + gloss);
+    }
+    return sum;
 }
 
 // Radiance of the skin below the whole coat.

@@ -137,8 +137,8 @@ struct FragmentOutput {
 @fragment
 fn fragment(in: VertexOutput) -> FragmentOutput {
     var out: FragmentOutput;
-    // Strands thinner than a sample are thinned out, pixel by pixel.
-    let threshold = pattern::pattern_threshold(in.position.xy, in.strand);
+    // Of strands thinner than a sample fewer are drawn, those whole: pixel by pixel they would fall into grains.
+    let threshold = clamp(f32(pattern::hash(in.strand) >> 8u) / 16777216.0, 0.002, 0.998);
 #ifdef SAMPLE_COVERAGE
     out.samples = pattern::sample_mask(in.along.y, threshold, in.strand, #{UNDERCOAT_SAMPLES}u);
     if (out.samples == 0u) {
