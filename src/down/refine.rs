@@ -246,7 +246,8 @@ mod tests {
                     pairs.filter(|(j, _)| **j == joint).map(|(_, w)| w).sum()
                 };
                 assert!((at(3) + at(7) - 1.0).abs() < 1e-5);
-                assert!((at(3) - at(7) - vertex.position.y).abs() < 0.3);
+                // Weights are those of the flat sides, whose height differs from a ball's by 0.318 at most.
+                assert!((at(3) - at(7) - vertex.position.y).abs() < 0.32);
             }
         }
     }
