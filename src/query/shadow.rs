@@ -148,10 +148,10 @@ pub fn vane_shadow<T: Real>(
         // cos of the multiples of one angle.
         let first = (T::of(std::f64::consts::TAU) * (light.shift - eye.shift)).cos();
         let second = two * first * first - one;
-        let cosines = [first, second, two * first * second - first];
+        let cosines: [T; RIPPLES] = [first, second, two * first * second - first];
         let mut both = (one - closed) * (one - shaded);
-        for k in 0..RIPPLES {
-            both = both + two * eye.ripples[k] * light.ripples[k] * cosines[k];
+        for (k, cosine) in cosines.into_iter().enumerate() {
+            both = both + two * eye.ripples[k] * light.ripples[k] * cosine;
         }
         let through = clamp(both / (one - closed).max(T::of(1e-3)), zero, one);
         (
