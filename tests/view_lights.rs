@@ -137,7 +137,7 @@ fn every_light_lights_feathers_as_much_as_it_should() {
         .spawn((
             IrradianceVolume {
                 voxels,
-                intensity: 3000.0,
+                intensity: 6000.0,
                 ..default()
             },
             Transform::from_scale(Vec3::splat(2.0)),
