@@ -8,6 +8,7 @@ use common::{
     app::Stage,
     view::{frames, mean, mean_color, rms, showing, spawn_patch},
 };
+use std::collections::HashSet;
 
 #[test]
 fn debug_views_show_different_things() {
@@ -41,6 +42,12 @@ fn debug_views_show_different_things() {
         }
         let [r, g, b] = mean_color(&picture);
         match view {
+            // Numbers as colours: many of them.
+            DebugView::Card | DebugView::Barb => {
+                let lit = picture.iter().filter(|p| p.iter().sum::<f32>() > 0.05);
+                let colours: HashSet<_> = lit.map(|p| p.map(|c| (c * 16.0) as u8)).collect();
+                assert!(colours.len() > 20, "{view:?}: {} colours", colours.len());
+            }
             // Facing the camera.
             DebugView::Normal => assert!(b > r && b > g, "normals {r} {g} {b}"),
             // Barbs and barbules together cover what is not open.

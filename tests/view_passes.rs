@@ -198,11 +198,24 @@ fn a_depth_prepass_changes_no_colour() {
         showing(DebugView::None, FeatherTransparency::AlphaToCoverage),
     );
     stage.settle();
-    for (msaa, transparency) in [
-        (Msaa::Sample4, FeatherTransparency::AlphaToCoverage),
-        (Msaa::Off, FeatherTransparency::AlphaToCoverage),
-        (Msaa::Off, FeatherTransparency::Hashed),
+    let (samples, hashed) = (
+        FeatherTransparency::AlphaToCoverage,
+        FeatherTransparency::Hashed,
+    );
+    let far = *stage.app.world().get::<Transform>(camera).unwrap();
+    // Every class of cards draws its own prepass: from afar, from near, from nearer.
+    for (msaa, transparency, distance) in [
+        (Msaa::Sample4, samples, 1.0),
+        (Msaa::Off, samples, 1.0),
+        (Msaa::Off, hashed, 1.0),
+        (Msaa::Off, samples, 0.5),
+        (Msaa::Off, samples, 0.25),
     ] {
+        stage
+            .app
+            .world_mut()
+            .entity_mut(camera)
+            .insert(far.with_translation(far.translation * distance));
         stage
             .app
             .world_mut()
@@ -224,7 +237,10 @@ fn a_depth_prepass_changes_no_colour() {
         frames(&mut stage, 3);
         let with = stage.picture();
         let off = rms(&with, &without);
-        assert!(mean(&without) > 0.02, "nothing is lit");
-        assert!(off < 1.0 / 255.0, "{msaa:?} {transparency:?}: {off}");
+        assert!(mean(&without) > 0.02, "nothing is lit at {distance}");
+        assert!(
+            off < 1.0 / 255.0,
+            "{msaa:?} {transparency:?} {distance}: {off}"
+        );
     }
 }
