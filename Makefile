@@ -26,7 +26,8 @@ single: setup
 inspector: setup
 	$(CARGO) run --features inspector,extract --example inspector -- $(ARGS)
 
-tour: setup
+tour:
+	@./scripts/setup.sh pictures window
 	$(CARGO) build --features inspector,extract --example inspector
 	./scripts/tour.sh 1
 	./scripts/tour.sh 2
@@ -40,7 +41,8 @@ test: setup
 	$(CARGO) test --all-features
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --lib --examples --all-features
 
-gallery: setup
+gallery:
+	@./scripts/setup.sh pictures
 	$(CARGO) build --examples --all-features
 	./scripts/gallery.sh
 

@@ -17,33 +17,17 @@ use bevy::{
     world_serialization::{WorldAssetRoot, WorldInstanceReady},
 };
 use bevy_plumage::prelude::*;
-use helper::{
-    Args,
-    camera::{Framing, Shots},
-    scene::Idle,
-};
+use helper::{Args, camera::Shots, scene::Idle};
 
 /// Largest side of the model in the picture, metres.
 const SIZE: f32 = 0.6;
 
 fn main() {
     helper::run("your_own_mesh", |app| {
-        let shot = |x, y, z, fov| Framing {
-            target: Vec3::ZERO,
-            eye: Vec3::new(x, y, z),
-            fov,
-        };
-        app.insert_resource(Shots {
-            hero: shot(1.2, 0.45, 1.4, 14.0),
-            closeup: shot(0.35, 0.15, 0.3, 24.0),
-            macro_: shot(0.2, 0.08, 0.16, 18.0),
-            full: shot(2.0, 0.2, 0.0, 18.0),
-            back: shot(-1.0, 0.6, -1.5, 16.0),
-            far: shot(3.0, 1.0, 4.0, 24.0),
-        })
-        .add_systems(Startup, setup)
-        .add_systems(Update, (dress, report))
-        .add_observer(arrived);
+        app.insert_resource(Shots::around_model())
+            .add_systems(Startup, setup)
+            .add_systems(Update, (dress, report))
+            .add_observer(arrived);
     });
 }
 

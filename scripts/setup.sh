@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what is missing to build and to render: a C linker and a Vulkan driver. Does nothing where all is present.
+# Installs what is missing to build and to render: a C linker and a Vulkan driver; with the word `pictures` also ImageMagick, with
+# `window` a virtual display and its mouse. Does nothing where all is present.
 set -euo pipefail
 
 need=()
@@ -10,6 +11,20 @@ has_driver() {
     [ -n "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ] && return 0
     compgen -G '/usr/share/vulkan/icd.d/*.json' >/dev/null || compgen -G '/etc/vulkan/icd.d/*.json' >/dev/null
 }
+
+for word in "$@"; do
+    case "$word" in
+    pictures) command -v convert >/dev/null 2>&1 || need+=(imagemagick) ;;
+    window)
+        command -v Xvfb >/dev/null 2>&1 || need+=(xvfb)
+        command -v xdotool >/dev/null 2>&1 || need+=(xdotool)
+        ;;
+    *)
+        echo "setup: what is \"$word\"?" >&2
+        exit 1
+        ;;
+    esac
+done
 
 case "$(uname -s)" in
 Linux)

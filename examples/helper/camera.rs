@@ -38,6 +38,23 @@ pub struct Shots {
 }
 
 impl Shots {
+    /// Around a model of half a metre that stands at the origin.
+    pub fn around_model() -> Self {
+        let shot = |x, y, z, fov| Framing {
+            target: Vec3::ZERO,
+            eye: Vec3::new(x, y, z),
+            fov,
+        };
+        Self {
+            hero: shot(1.2, 0.45, 1.4, 14.0),
+            closeup: shot(0.35, 0.15, 0.3, 24.0),
+            macro_: shot(0.2, 0.08, 0.16, 18.0),
+            full: shot(2.0, 0.2, 0.0, 18.0),
+            back: shot(-1.0, 0.6, -1.5, 18.0),
+            far: shot(3.0, 1.0, 4.0, 24.0),
+        }
+    }
+
     fn framing(&self, shot: Shot) -> Framing {
         match shot {
             Shot::Hero => self.hero,

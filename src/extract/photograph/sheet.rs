@@ -83,17 +83,7 @@ fn difference(octaves: &[Vec<f32>; 3], place: f64, width: f64, weights: [f64; 3]
 impl VaneSheet {
     fn new(feather: &Feather, side: Side, back: bool, r: &mut Stream) -> Self {
         let vane = feather.vane(side);
-        let lengths = |x: f32| f64::from(x);
-        let query_vane = query::Vane::from_measures(
-            lengths(vane.barb_count),
-            lengths(vane.barb_angle),
-            lengths(vane.barb_radius_um),
-            lengths(vane.barbules.spacing_um),
-            lengths(vane.barbules.angle),
-            lengths(vane.barbules.distal_radius_um),
-            lengths(vane.barbules.proximal_radius_um),
-            lengths(feather.length_mm),
-        );
+        let query_vane = feather.query_vane(side);
         let view = [0.0, 0.0, if back { -1.0 } else { 1.0 }];
         let cell = query::mask_vane(&query_vane, view);
         let [barb, upper, lower] = query::mean(&cell);
