@@ -4,6 +4,7 @@ use super::plot::{Curve, Labels, Result, draw};
 use bevy_plumage::{
     anatomy::{Feather, Side, presets},
     curves::{CurveOptions, CurveShader, Curves, Ray, furnace_path},
+    query::{mask_vane, mean, mean_shadow},
     scattering::{
         FibreTable, fibre_albedo, fibre_shading, multiple_scattering, reference::uniform,
     },
@@ -59,7 +60,18 @@ fn vanes() -> Vec<(&'static str, Feather)> {
     vec![("lesser covert", plain), ("dense vane", dense)]
 }
 
-/// Light that comes back, traced and by the closed form with several p.
+/// The plugin's p: what the fibres seen from the front do not keep of light from all around.
+fn meeting(feather: &Feather) -> f64 {
+    let vane = feather.query_vane::<f64>(Side::Left);
+    let seen = mean(&mask_vane(&vane, [0.0, 0.0, 1.0]));
+    let sides = mean_shadow(&vane, true);
+    let kept: f64 = (0..3)
+        .map(|i| seen[i] * 0.5 * (sides[0][i + 1] + sides[1][i + 1]))
+        .sum();
+    1.0 - kept / seen.iter().sum::<f64>()
+}
+
+/// Light that comes back, traced and by the closed form with the plugin's p.
 pub fn multiple(folder: &Path) -> Result<()> {
     let albedos = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.97];
     let mut chart: Vec<Curve> = Vec::new();
@@ -78,10 +90,9 @@ pub fn multiple(folder: &Path) -> Result<()> {
         }
         chart.push((format!("{name}, traced"), all));
         chart.push((format!("{name}, first bounce alone"), single));
-    }
-    for p in [0.4, 0.5] {
+        let p = meeting(&feather);
         let points = albedos.map(|a| (a, (1.0 - p) * a + multiple_scattering([a; 3], p)[0]));
-        chart.push((format!("closed form, p = {p}"), points.to_vec()));
+        chart.push((format!("{name}, closed form, p = {p:.3}"), points.to_vec()));
     }
     let labels = Labels {
         title: "A vane in a white furnace: light that meets several fibres",
