@@ -64,8 +64,7 @@ fn perch(stage: &mut Stage, name: &str, eye: Vec3, target: Vec3) -> Entity {
         .spawn((
             WorldAssetRoot(assets.load(label(GltfAssetLabel::Scene(0)))),
             Resting(assets.load(label(GltfAssetLabel::Animation(0)))),
-            // A quarter of the feathers, twice as large: cover stays.
-            Plumage::new(assets.load(format!("grooms/{name}.groom.ron"))).with_density(0.25),
+            Plumage::new(assets.load(format!("grooms/{name}.groom.ron"))),
             Transform::IDENTITY,
         ))
         .id();

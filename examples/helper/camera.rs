@@ -95,8 +95,14 @@ fn spawn_camera(
     off_screen: Option<Res<OffScreen>>,
 ) {
     let framing = shots.framing(args.camera);
-    let turn = Quat::from_rotation_y(args.turn.to_radians());
-    let eye = framing.target + turn * (framing.eye - framing.target) * args.distance;
+    let away = Quat::from_rotation_y(args.turn.to_radians()) * (framing.eye - framing.target);
+    let tilt = Vec3::Y
+        .cross(away)
+        .try_normalize()
+        .map_or(Quat::IDENTITY, |side| {
+            Quat::from_axis_angle(side, -args.tilt.to_radians())
+        });
+    let eye = framing.target + tilt * away * args.distance;
     let mut camera = commands.spawn((
         Camera3d::default(),
         Hdr,

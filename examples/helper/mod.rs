@@ -280,6 +280,9 @@ pub struct Args {
     /// Turns the camera around its subject, degrees.
     #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
     pub turn: f32,
+    /// Raises the camera about its subject (below 0: lowers it), degrees.
+    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
+    pub tilt: f32,
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {

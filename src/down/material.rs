@@ -64,12 +64,14 @@ fn pick_samples(descriptor: &mut RenderPipelineDescriptor) {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct UndercoatKey {
     mode: UndercoatMode,
+    sunk: bool,
 }
 
 impl From<&UndercoatMaterial> for UndercoatKey {
     fn from(material: &UndercoatMaterial) -> Self {
         Self {
             mode: material.mode,
+            sunk: material.sunk,
         }
     }
 }
@@ -80,6 +82,8 @@ impl From<&UndercoatMaterial> for UndercoatKey {
 pub struct UndercoatMaterial {
     /// How it is drawn.
     pub mode: UndercoatMode,
+    /// Whether it lies below the skin of a bird: its depth is then that of its outside, sample by sample.
+    pub sunk: bool,
     /// Look and quality.
     #[uniform(0)]
     pub uniform: UndercoatUniform,
@@ -130,6 +134,14 @@ impl Material for UndercoatMaterial {
         key: MaterialPipelineKey<Self>,
     ) -> Result<(), SpecializedMeshPipelineError> {
         descriptor.vertex.buffers = vec![layout.0.get_layout(&[CELL.at_shader_location(0)])?];
+        if key.bind_group_data.sunk {
+            let sunk = || ShaderDefVal::from("UNDERCOAT_SUNK");
+            descriptor.vertex.shader_defs.push(sunk());
+            descriptor
+                .fragment
+                .iter_mut()
+                .for_each(|fragment| fragment.shader_defs.push(sunk()));
+        }
         if let Some(fragment) = &mut descriptor.fragment
             && key.bind_group_data.mode == UndercoatMode::Shells
         {

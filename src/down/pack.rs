@@ -67,8 +67,9 @@ fn put_words(bytes: &mut Vec<u8>, words: [u32; 4]) {
         .for_each(|word| bytes.extend(word.to_le_bytes()));
 }
 
+/// A linear colour in three bytes, as square roots: dark ones keep their hue.
 fn colour_word(colour: Option<&[f32; 3]>) -> u32 {
-    let step = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() as u32;
+    let step = |value: f32| (value.clamp(0.0, 1.0).sqrt() * 255.0).round() as u32;
     colour.map_or(u32::MAX, |c| {
         step(c[0]) | step(c[1]) << 8 | step(c[2]) << 16 | 0xff00_0000
     })

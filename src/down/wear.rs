@@ -104,7 +104,7 @@ pub(super) enum Lies {
     Alone,
     /// Around a skin with sparse feathers: the depth of the skin, whatever lies over that covers the coat.
     OnSkin,
-    /// Below the skin of a bird, whose feathers hide it at rest: the depth of its top.
+    /// Below the skin of a bird, whose feathers hide it at rest: the depth of its outside.
     Sunk,
 }
 
@@ -183,6 +183,7 @@ impl Wear<'_> {
             state.bytes += mesh.count_vertices() as u64 * mesh.get_vertex_size();
             let material = UndercoatMaterial {
                 mode: self.coat.mode,
+                sunk: self.lies == Lies::Sunk,
                 uniform,
                 shell: buffer.clone(),
                 density: self.baked.density.clone(),
@@ -278,8 +279,7 @@ pub(super) fn uniform_of(
             settings.tier_px[1],
             match lies {
                 Lies::Alone => 1.0,
-                Lies::OnSkin => 0.0,
-                Lies::Sunk => -1.0,
+                Lies::OnSkin | Lies::Sunk => 0.0,
             },
         ),
         // Under feathers at rest it passes for the skin, which is painted like them.

@@ -352,7 +352,7 @@ fn feather(
     // over a wing must not be carried off with it.
     let weights = if root.1[0] > 0.0 {
         let last = (shaft.below.len() - 1).max(1) as f32;
-        let share = |x: f32| 1.0 - x * (0.9 - 0.2 * x);
+        let share = |x: f32| (1.0 - 2.0 * x).max(0.0).powi(2);
         let at = |(i, below)| {
             let own = share(i as f32 / last);
             blend_weights([(root, own), (skin.joint_weights(below), 1.0 - own)])

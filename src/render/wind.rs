@@ -72,16 +72,17 @@ impl Wind {
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default)]
 pub struct Ruffle {
-    /// Of the whole coat, 0 (flat) to 1 (14 degrees for feathers of no stiffness, nothing for flight feathers).
+    /// Of the whole coat, 0 (flat) to 1 (45 degrees for feathers of no stiffness, nothing for flight feathers). A bird that shakes
+    /// itself raises them by 10 to 14 degrees, 0.3; one that fluffs itself up in the cold as far as they go.
     pub amount: f32,
     /// Of single regions of the groom by name, 0..1, in place of `amount`.
     pub regions: Vec<(String, f32)>,
 }
 
-/// Lift of the tip of a soft feather that is ruffled as far as it goes, radians.
-pub const RUFFLE_LIFT: f32 = 14.0 * std::f32::consts::PI / 180.0;
-/// Yaw to either side of a feather ruffled as far as it goes, radians.
-pub const RUFFLE_YAW: f32 = 2.0 * std::f32::consts::PI / 180.0;
+/// Angle by which a soft feather turns about its root when it is ruffled as far as it goes, radians.
+pub const RUFFLE_LIFT: f32 = 45.0 * std::f32::consts::PI / 180.0;
+/// Yaw to either side of a feather ruffled as far as it goes, radians: 2 degrees where it is raised by 14.
+pub const RUFFLE_YAW: f32 = 6.0 * std::f32::consts::PI / 180.0;
 
 /// How a feather of `stiffness` 0..1 answers the wind: (compliance in rad s^2 m^-2.5, largest angle of the tip in radians:
 /// 14 degrees for the softest, 8 for a contour feather, 1.5 for a flight feather).

@@ -112,3 +112,9 @@ fn scattering_albedo(albedo: vec3<f32>, skin: vec3<f32>, depth: f32) -> vec3<f32
 fn multiple_scattering(eye: f32, light: f32, albedo: vec3<f32>) -> vec3<f32> {
     return scattering_h(eye, albedo) * scattering_h(light, albedo);
 }
+
+// A linear colour of the skin from three bytes that hold its square roots.
+fn packed_colour(word: u32) -> vec3<f32> {
+    let root = unpack4x8unorm(word).rgb;
+    return root * root;
+}

@@ -36,13 +36,23 @@ fn previous_world_from_card(vertex: CardVertex) -> mat4x4<f32> {
 #endif
 }
 
-// Turn of the card's tip as a rotation vector in the mesh's own space; zero when nothing moves it. `first`: row of the motion
-// table, 0 now, half its length a frame ago.
-fn tip_turn(card: data::Card, first: u32, world_from_local: mat4x4<f32>, time: f32) -> vec3<f32> {
+// How a card is turned, as rotation vectors in the mesh's own space: as a whole about its root, which is what the muscles of the
+// follicle do, and how much further at its tip, which is what the air does.
+struct Turn {
+    whole: vec3<f32>,
+    tip: vec3<f32>,
+}
+
+fn is_still(turn: Turn) -> bool {
+    return all(turn.whole == vec3(0.0)) && all(turn.tip == vec3(0.0));
+}
+
+// `first`: row of the motion table, 0 now, half its length a frame ago.
+fn turn_of(card: data::Card, first: u32, world_from_local: mat4x4<f32>, time: f32) -> Turn {
     let air = motion_at(first);
     let eddies = motion_at(first + 1u);
     let region = motion_at(first + 2u + min(data::card_region(card.feather), max(u32(eddies.w), 1u) - 1u));
-    var lift = region.x;
+    var lift = 0.0;
     if (air.w + eddies.x > 0.0) {
         let breeze = Breeze(air.xyz, air.w, eddies.x, eddies.y, eddies.z);
         let root = (world_from_local * vec4(card.root, 1.0)).xyz;
@@ -50,21 +60,19 @@ fn tip_turn(card: data::Card, first: u32, world_from_local: mat4x4<f32>, time: f
         let stretch = max(length(along), 1e-9);
         let normal = (world_from_local * vec4(card.normal, 0.0)).xyz;
         let wind = wind_velocity(breeze, root, time);
-        lift += wind_lift(wind, along / stretch, normal / max(length(normal), 1e-9), stretch * card.length, region.y, region.z);
-    }
-    if (lift == 0.0) {
-        return vec3(0.0);
+        lift = wind_lift(wind, along / stretch, normal / max(length(normal), 1e-9), stretch * card.length, region.y, region.z);
     }
     let yaw = region.w * (f32(card.seed & 0xffffu) / 32767.5 - 1.0);
-    return cross(card.along, card.normal) * lift + card.normal * yaw;
+    let raising = cross(card.along, card.normal);
+    return Turn(raising * region.x + card.normal * yaw, raising * lift);
 }
 
-// The place of a vertex at share `v` of the rachis: the shaft bends as an arc, so its chord turns half as far as its tip.
-fn bent(position: vec3<f32>, root: vec3<f32>, turn: vec3<f32>, v: f32) -> vec3<f32> {
-    if (all(turn == vec3(0.0))) {
+// The place of a vertex at share `v` of the rachis: in the air the shaft bends as an arc, so its chord turns half as far as its tip.
+fn bent(position: vec3<f32>, root: vec3<f32>, turn: Turn, v: f32) -> vec3<f32> {
+    if (is_still(turn)) {
         return position;
     }
-    return root + turned_by(position - root, turn * (0.5 * v));
+    return root + turned_by(position - root, turn.whole + turn.tip * (0.5 * v));
 }
 
 // Views of point and spot lights look like a camera's in every definition; their view is not where its visibility ranges are
@@ -111,8 +119,8 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
         return out;
     }
     let world_from_local = world_from_card(vertex);
-    let turn = tip_turn(card, 0u, world_from_local, time);
-    let tangent_turn = turn * vertex.uv.y;
+    let turn = turn_of(card, 0u, world_from_local, time);
+    let tangent_turn = turn.whole + turn.tip * vertex.uv.y;
     out.world_position = world_from_local * vec4(bent(vertex.position, card.root, turn, vertex.uv.y), 1.0);
     out.position = position_world_to_clip(out.world_position.xyz);
     let normal = turned_by(vertex.normal, tangent_turn);
@@ -130,7 +138,7 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
 #ifdef PREPASS_PIPELINE
 #ifdef MOTION_VECTOR_PREPASS
     let before = previous_world_from_card(vertex);
-    let turn_before = tip_turn(card, arrayLength(&motion) / 2u, before, time - step);
+    let turn_before = turn_of(card, arrayLength(&motion) / 2u, before, time - step);
     out.previous_world_position = before * vec4(bent(vertex.position, card.root, turn_before, vertex.uv.y), 1.0);
 #endif
 #ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION

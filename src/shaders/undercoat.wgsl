@@ -62,6 +62,10 @@ fn vertex(vertex: VertexInput) -> VertexOutput {
     var out: VertexOutput;
     out.world = mix(node.bottom, node.top, height);
     out.position = position_world_to_clip(out.world);
+#ifdef UNDERCOAT_SUNK
+    // Just in front of the skin on which its outside lies, so far as it differs from the skin.
+    out.position.z *= 1.0 + 1e-5 * coat.paint.x;
+#endif
     out.start = vertex.cell.y;
     out.instance = vertex.instance;
     out.place = vec4(vec3(f32(id == ids.x), f32(id == ids.y), f32(id == ids.z)), height);
@@ -144,7 +148,9 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
 
 struct FragmentOutput {
     @location(0) color: vec4<f32>,
+#ifndef UNDERCOAT_SUNK
     @builtin(frag_depth) depth: f32,
+#endif
 #ifdef SAMPLE_COVERAGE
     @builtin(sample_mask) samples: u32,
 #endif
@@ -399,13 +405,6 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
         default: {}
     }
 
-    var depth_at = min(march_mean_distance(march), end);
-    if (coat.shape.w < -0.5) {
-        depth_at = -0.05 * entry_height;
-    } else if (coat.shape.w < 0.5) {
-        depth_at = end - 0.05 * entry_height;
-    }
-    let clip = position_world_to_clip(origin + direction * depth_at);
     var out: FragmentOutput;
 #ifdef SAMPLE_COVERAGE
     out.samples = pattern::sample_mask(alpha, 0.5, 0u, #{UNDERCOAT_SAMPLES}u);
@@ -418,7 +417,11 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     }
 #endif
     out.color = lighting::finish(vec4(color, 1.0), vec4(origin, 1.0), in.position);
+#ifndef UNDERCOAT_SUNK
+    let depth_at = select(min(march_mean_distance(march), end), end - 0.05 * entry_height, coat.shape.w < 0.5);
+    let clip = position_world_to_clip(origin + direction * depth_at);
     out.depth = clip.z / clip.w;
+#endif
     return out;
 }
 

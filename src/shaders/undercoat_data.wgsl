@@ -1,5 +1,6 @@
 // What a coat's material binds, and how shells lie in memory (src/down/pack.rs, src/down/material.rs).
 #define_import_path bevy_plumage::undercoat_data
+#import bevy_plumage::down_light::packed_colour
 #import bevy_plumage::down_tier::{FAR_SIZE, far_node}
 #import bevy_plumage::down_walk::{PrismCorners, prism_parity}
 
@@ -72,7 +73,7 @@ fn node_at(index: u32) -> Node {
         bottom.w,
         word(at + 1u).xyz,
         bitcast<vec3<f32>>(lay.xyz),
-        unpack4x8unorm(lay.w).rgb,
+        packed_colour(lay.w),
     );
 }
 

@@ -3,7 +3,7 @@
     mesh_view_bindings as vb,
     view_transformations::position_world_to_clip,
 }
-#import bevy_plumage::down_light::{kajiya_kay_diffuse, kajiya_kay_specular, multiple_scattering, sky_visibility}
+#import bevy_plumage::down_light::{kajiya_kay_diffuse, kajiya_kay_specular, multiple_scattering, packed_colour, sky_visibility}
 #import bevy_plumage::down_strands::{
     StrandShape,
     strand_alpha,
@@ -114,9 +114,7 @@ fn vertex(in: VertexInput) -> VertexOutput {
     let rise = dot(center - bottom.xyz, normal) / max(bottom.w, 1e-7);
     out.along = vec4(s, strand_alpha(strands.tip_colour.w, s) * ribbon.coverage, rise, f32(root.w & 255u) / 255.0);
     out.instance = in.instance;
-    let tint = unpack4x8unorm(a.w).rgb * w.x + unpack4x8unorm(b.w).rgb * w.y
-        + unpack4x8unorm(c.w).rgb * w.z;
-    out.tint = tint;
+    out.tint = packed_colour(a.w) * w.x + packed_colour(b.w) * w.y + packed_colour(c.w) * w.z;
     out.strand = pattern::hash(in.strand.x);
     return out;
 }
