@@ -1,6 +1,4 @@
 //! Down below the feathers of the real birds (study test D13): at rest it is not drawn, and nobody can tell; ruffled it shows.
-//!
-//! The whole birds take minutes: `cargo test --test down_birds -- --ignored --nocapture`.
 
 mod common;
 mod down_scene;
@@ -68,6 +66,7 @@ fn perch(stage: &mut Stage, name: &str, eye: Vec3, target: Vec3) -> Entity {
             Transform::IDENTITY,
         ))
         .id();
+    down_scene::draw(stage, false);
     stage.settle();
     bird
 }
@@ -127,7 +126,6 @@ fn check_rest(stage: &mut Stage, name: &str) {
 }
 
 #[test]
-#[ignore = "minutes on a software adapter"]
 fn a_parrot_at_rest_needs_no_down_and_a_ruffled_one_shows_it() {
     let Some(mut stage) = Stage::sized(96, 96) else {
         return;
@@ -165,7 +163,6 @@ fn a_parrot_at_rest_needs_no_down_and_a_ruffled_one_shows_it() {
 }
 
 #[test]
-#[ignore = "a minute: the larger bird"]
 fn an_eagle_at_rest_needs_no_down() {
     let Some(mut stage) = Stage::sized(96, 96) else {
         return;

@@ -264,7 +264,6 @@ fn means(stage: &mut Stage, coat: Entity, pixels: f32, thickness: &[f32]) -> Vec
 
 /// D11 on the GPU: the mean of a patch over the transitions of a dolly that comes 3 % nearer every frame.
 #[test]
-#[ignore = "minutes on a software adapter"]
 fn no_tier_pops_over_a_dolly() {
     const PIXELS: f32 = 8.0;
     let mut worst = 0.0;

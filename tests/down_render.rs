@@ -8,7 +8,8 @@ use bevy::prelude::*;
 use bevy_plumage::prelude::*;
 use common::app::Stage;
 use down_scene::{
-    Picture, brightness, covered, difference, dress, holes, settle, spawn, spawn_tube, torus,
+    Picture, brightness, covered, difference, dress, golden, holes, settle, spawn, spawn_tube,
+    torus,
 };
 
 fn state(stage: &Stage, entity: Entity) -> UndercoatState {
@@ -39,6 +40,7 @@ fn coats_grow_on_closed_and_open_skins() {
         let bare = stage.picture();
         dress(&mut stage, entity);
         let coat = stage.picture();
+        golden(&format!("down_{name}"), &coat);
         assert_eq!(state(&stage, entity).walls, walls, "{name}");
         // Pale down over a dark skin, over all of it and beyond its rim.
         let (skin, fur) = (covered(&bare, 0.004), covered(&coat, 0.02));
@@ -107,6 +109,11 @@ fn sheets_of_a_fan_are_walled_from_each_other() {
     // Three open sides each, and the side at the common edge.
     assert_eq!(state(&stage, entity).walls, 3 * 4);
     assert!(covered(&bare, 0.004) > 100);
+    // Each sheet has its coat: nothing that was skin is darker, and the rims are furred.
+    let coat = stage.picture();
+    golden("down_fan", &coat);
+    let (skin, fur) = (covered(&bare, 0.004), covered(&coat, 0.02));
+    assert!(fur as f32 > 1.05 * skin as f32, "{skin} to {fur}");
 }
 
 #[test]
@@ -157,6 +164,7 @@ fn a_coat_follows_its_joints() {
         Transform::from_rotation(Quat::from_rotation_z(-1.0));
     stage.frame();
     let bent = stage.picture();
+    golden("down_tube", &bent);
     let half = |picture: &Picture, lower: bool| -> Picture {
         let rows = picture.chunks_exact(96).enumerate();
         let wanted = rows.filter(|(row, _)| if lower { *row > 68 } else { *row < 40 });

@@ -138,9 +138,18 @@ pub fn dress(stage: &mut Stage, entity: Entity) {
     settle(stage);
 }
 
+/// Whether the camera draws: frames of a large scene that only waits are not worth their seconds.
+pub fn draw(stage: &mut Stage, draws: bool) {
+    let mut camera = stage.app.world_mut().entity_mut(stage.camera);
+    if let Some(mut camera) = camera.get_mut::<Camera>() {
+        camera.is_active = draws;
+    }
+}
+
 /// Frames until every coat is grown.
 pub fn settle(stage: &mut Stage) {
     let start = Instant::now();
+    draw(stage, false);
     loop {
         stage.frame();
         let mut states = stage.app.world_mut().query::<&UndercoatState>();
@@ -155,6 +164,7 @@ pub fn settle(stage: &mut Stage) {
         assert!(start.elapsed() < Duration::from_secs(60), "never grown");
         std::thread::sleep(Duration::from_millis(2));
     }
+    draw(stage, true);
     for _ in 0..4 {
         stage.frame();
     }
@@ -196,4 +206,55 @@ pub fn spawn_tube(stage: &mut Stage) -> (Entity, Entity) {
         joints: vec![lower, upper],
     });
     (entity, upper)
+}
+
+fn shown(picture: &Picture) -> Vec<u8> {
+    let srgb = |[r, g, b]: &[f32; 3]| Color::linear_rgb(*r, *g, *b).to_srgba();
+    let bytes = picture
+        .iter()
+        .map(srgb)
+        .flat_map(|c| [c.red, c.green, c.blue]);
+    bytes.map(|c| (c * 255.0).round() as u8).collect()
+}
+
+/// Compares a picture of 96 by 96 with the one kept in `tests/golden`, which `PLUMAGE_GOLDEN=write` makes anew: RMS at most 0.03 of full
+/// range, as shown (drivers place samples differently), means within 1 %. What differs is left under `target/test_failures`.
+pub fn golden(name: &str, picture: &Picture) {
+    const SIDE: u32 = crate::common::app::SIZE;
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let file = root.join(format!("tests/golden/{name}.png"));
+    let bytes = shown(picture);
+    let image = |bytes: Vec<u8>| image::RgbImage::from_raw(SIDE, SIDE, bytes).unwrap();
+    if std::env::var("PLUMAGE_GOLDEN").is_ok_and(|value| value == "write") {
+        std::fs::create_dir_all(root.join("tests/golden")).unwrap();
+        image(bytes).save(file).unwrap();
+        return;
+    }
+    let kept = image::open(&file).unwrap().to_rgb8().into_raw();
+    assert_eq!(kept.len(), bytes.len(), "{name}");
+    let pairs = || {
+        kept.iter()
+            .zip(&bytes)
+            .map(|(a, b)| (f64::from(*a), f64::from(*b)))
+    };
+    let count = kept.len() as f64;
+    let rms = (pairs().map(|(a, b)| (a - b) * (a - b)).sum::<f64>() / count).sqrt() / 255.0;
+    let (before, now) = pairs().fold((0.0, 0.0), |(a, b), (x, y)| (a + x, b + y));
+    if rms > 0.03 || (now / before - 1.0).abs() > 0.01 {
+        let folder = root.join("target/test_failures");
+        std::fs::create_dir_all(&folder).unwrap();
+        let apart = pairs()
+            .map(|(a, b)| ((a - b).abs() * 4.0).min(255.0) as u8)
+            .collect();
+        for (kind, bytes) in [
+            ("picture", bytes),
+            ("reference", kept),
+            ("difference", apart),
+        ] {
+            image(bytes)
+                .save(folder.join(format!("{name}_{kind}.png")))
+                .unwrap();
+        }
+        panic!("{name}: RMS {rms:.4}, mean {now:.0} against {before:.0}");
+    }
 }
