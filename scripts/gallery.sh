@@ -59,8 +59,9 @@ convert "$out"/fur_sun_{a,b}.png -append "$out/fur_lights.png"
 rm "$out"/fur_sun_*.png "$out"/stats/fur_sun_*.json
 show chick chick --size 480x480 --time 0 --transparency hashed
 show chick chick_moult --size 480x360 --camera closeup --time 0 --transparency hashed --density 0.3 --ruffle 1
-show parrot parrot_ruffled --size 640x480 --camera closeup --time 0 --ruffle 1 --transparency hashed
-show eagle eagle_ruffled --size 640x480 --camera closeup --time 0 --ruffle 1 --transparency hashed
+show parrot parrot_ruffled --size 640x480 --camera closeup --distance 2.5 --tilt -55 --time 0 --ruffle 1 --transparency hashed
+show parrot parrot_fluffed --size 640x480 --camera full --time 0 --ruffle 1
+show eagle eagle_ruffled --size 640x480 --camera closeup --tilt -50 --time 0 --ruffle 1 --transparency hashed
 # One structural feather from three angles, as Chen et al. 2026, Fig. 17.
 show single_feather feather_angle_0 --size 240x320 --feather macaw_blue --camera full
 show single_feather feather_angle_40 --size 240x320 --feather macaw_blue --camera full --turn 40

@@ -178,12 +178,20 @@ fn tiers(folder: &Path, scene: &Scene) -> Result<()> {
             single(SlabSettings::near()),
         ),
         (
-            "middle: 8 steps, level 1, mean column",
+            "middle: 14 steps, level 1, mean column",
             single(SlabSettings::middle()),
+        ),
+        (
+            "8 steps, level 1, mean column",
+            SlabSettings {
+                steps: 8.0,
+                ..single(SlabSettings::middle())
+            },
         ),
         (
             "8 steps, level 1, 2 light steps",
             SlabSettings {
+                steps: 8.0,
                 light: LightModel::Steps(2),
                 ..single(SlabSettings::middle())
             },

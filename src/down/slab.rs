@@ -8,6 +8,7 @@ use super::{
         scattering_albedo, sky_irradiance, sky_visibility,
     },
     march::{DEPTH_CLIP, March, march_floor, march_lit, march_step},
+    tier::{MIDDLE_STEPS, NEAR_STEPS},
 };
 use crate::query::math::{Real, clamp};
 
@@ -56,7 +57,7 @@ impl<T: Real> SlabSettings<T> {
     /// The near tier: 16 steps, 4 light steps.
     pub fn near() -> Self {
         Self {
-            steps: T::of(16.0),
+            steps: T::of(NEAR_STEPS),
             mip: T::zero(),
             jitter: T::of(0.5),
             clip: T::of(DEPTH_CLIP),
@@ -66,10 +67,10 @@ impl<T: Real> SlabSettings<T> {
         }
     }
 
-    /// The middle tier: 8 steps one level up, light by the mean column.
+    /// The middle tier: 14 steps one level up, light by the mean column.
     pub fn middle() -> Self {
         Self {
-            steps: T::of(8.0),
+            steps: T::of(MIDDLE_STEPS),
             mip: T::one(),
             light: LightModel::MeanColumn,
             ..Self::near()

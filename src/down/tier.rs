@@ -10,6 +10,12 @@ use crate::query::math::{Real, clamp};
 /// Thickness in pixels from which the near tier, and the middle tier, draw.
 pub const TIER_PX: [f64; 2] = [12.0, 3.0];
 
+/// Steps of the near tier's march.
+pub const NEAR_STEPS: f64 = 16.0;
+
+/// Steps of the middle tier's: the study's 8 cost 9 % of its mean seen from above.
+pub const MIDDLE_STEPS: f64 = 14.0;
+
 /// Width of a transition, as a share of its thickness. The study's 0.25 takes a dolly a little over 1/255 a frame.
 pub const TRANSITION: f64 = 0.35;
 
@@ -47,7 +53,7 @@ pub struct TierMix<T> {
     pub middle: T,
     /// Far: the table.
     pub far: T,
-    /// Steps of the march, 14..=16, fractional: the study's 8 cost the middle tier 9 % of its mean seen from above.
+    /// Steps of the march, [`MIDDLE_STEPS`]..=[`NEAR_STEPS`], fractional.
     pub steps: T,
     /// Level of the density's chain, 0..=1.
     pub mip: T,
@@ -69,7 +75,7 @@ pub fn tier_mix<T: Real>(thickness: T, px: [T; 2]) -> TierMix<T> {
         near,
         middle: above - near,
         far: T::one() - above,
-        steps: T::of(14.0) + T::of(2.0) * near,
+        steps: T::of(MIDDLE_STEPS) + T::of(NEAR_STEPS - MIDDLE_STEPS) * near,
         mip: T::one() - near,
         rim: clamp(thickness / px[1].max(T::of(1e-3)), T::zero(), T::one()),
     }
@@ -250,7 +256,6 @@ pub fn tier_correction(
             ..SlabSettings::near()
         };
         let middle = SlabSettings {
-            steps: 14.0,
             mip: level.max(1.0),
             sines: near.sines,
             ..SlabSettings::middle()
