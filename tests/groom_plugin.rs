@@ -181,6 +181,31 @@ fn cards_come_follow_change_and_go() {
 }
 
 #[test]
+fn taken_off_and_put_on_in_one_frame() {
+    let mut app = app();
+    let (bird, _) = spawn(&mut app, groom());
+    let ready = |world: &mut World| state(world, bird).is_ready();
+    wait(&mut app, "the plumage", ready);
+    let first = app
+        .world()
+        .get::<PlumageOutput>(bird)
+        .map(|output| output.0);
+    let plumage = app.world_mut().entity_mut(bird).take::<Plumage>();
+    let plumage = plumage.expect("a plumage").with_seed(4);
+    app.world_mut().entity_mut(bird).insert(plumage);
+    app.update();
+    assert!(!state(app.world(), bird).is_ready());
+    wait(&mut app, "the other plumage", ready);
+    let second = app
+        .world()
+        .get::<PlumageOutput>(bird)
+        .map(|output| output.0);
+    assert!(second.is_some() && second != first);
+    let mut cards = app.world_mut().query::<&PlumageCards>();
+    assert_eq!(cards.iter(app.world()).count(), 1);
+}
+
+#[test]
 fn damage_is_a_message() {
     let mut app = app();
     let mut broken = groom();

@@ -189,9 +189,14 @@ impl Plugin for GroomPlugin {
 fn drop_removed(
     mut commands: Commands,
     mut removed: RemovedComponents<Plumage>,
-    outputs: Query<&PlumageOutput, Without<Plumage>>,
+    outputs: Query<&PlumageOutput>,
+    worn: Query<(), With<Plumage>>,
 ) {
     for owner in removed.read() {
+        // Taken off and put on again in one frame is a change.
+        if worn.contains(owner) {
+            continue;
+        }
         if let Ok(output) = outputs.get(owner) {
             commands.entity(output.0).try_despawn();
         }
