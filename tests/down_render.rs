@@ -72,6 +72,13 @@ fn coats_grow_on_closed_and_open_skins() {
         assert!(difference(&stage.picture(), &bare) < 1e-6, "{name}");
         dress(&mut stage, entity);
         assert!(difference(&stage.picture(), &coat) < 1.5 / 255.0, "{name}");
+        // Both in one frame.
+        let mut owner = stage.app.world_mut().entity_mut(entity);
+        let undercoat = owner.take::<Undercoat>().unwrap();
+        owner.insert(undercoat);
+        stage.frame();
+        settle(&mut stage);
+        assert!(difference(&stage.picture(), &coat) < 1.5 / 255.0, "{name}");
         stage.app.world_mut().despawn(entity);
         for _ in 0..3 {
             stage.frame();

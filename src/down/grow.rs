@@ -55,9 +55,14 @@ pub(super) fn tend(
     mut commands: Commands,
     mut removed: RemovedComponents<Undercoat>,
     shells: Query<(Entity, &UndercoatShell)>,
+    worn: Query<(), With<Undercoat>>,
     mut coats: Query<(Entity, &mut UndercoatState), (With<Undercoat>, Without<GrowJob>)>,
 ) {
     for owner in removed.read() {
+        // Taken off and put on again in one frame is a change.
+        if worn.contains(owner) {
+            continue;
+        }
         for (entity, _) in shells.iter().filter(|(_, shell)| shell.owner == owner) {
             commands.entity(entity).try_despawn();
         }
