@@ -418,7 +418,9 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
 #endif
     out.color = lighting::finish(vec4(color, 1.0), vec4(origin, 1.0), in.position);
 #ifndef UNDERCOAT_SUNK
-    let depth_at = select(min(march_mean_distance(march), end), end - 0.05 * entry_height, coat.shape.w < 0.5);
+    // Coats of neighbouring tracts overlap, and end at the same place of the skin: the one that was entered further out is seen.
+    let in_front = 0.05 * entry_height * (0.2 + 0.8 * entry.at.z);
+    let depth_at = select(min(march_mean_distance(march), end), end - in_front, coat.shape.w < 0.5);
     let clip = position_world_to_clip(origin + direction * depth_at);
     out.depth = clip.z / clip.w;
 #endif
