@@ -1,11 +1,10 @@
-//! Birds come, change and go in apps that are not ours; what the camera sees of them is drawn, wherever the skeleton has put it.
+//! Birds come, change and go in apps that are not ours.
 
 mod common;
 
 use bevy::{
     app::PluginsState,
-    diagnostic::DiagnosticsStore,
-    mesh::{MeshPlugin, VertexAttributeValues, skinning::SkinnedMesh},
+    mesh::MeshPlugin,
     prelude::*,
     render::{
         RenderPlugin,
@@ -22,7 +21,10 @@ use bevy_plumage::{
     },
     prelude::*,
 };
-use common::app::{SIZE, Stage};
+use common::{
+    app::{SIZE, Stage},
+    view::counted,
+};
 use std::time::{Duration, Instant};
 
 const RED: [f32; 3] = [0.8, 0.1, 0.05];
@@ -71,14 +73,7 @@ fn spawn(stage: &mut Stage, groom: Groom, at: Vec3) -> Entity {
         Transform::from_translation(at),
     );
     stage.app.world_mut().entity_mut(skin).insert(bird);
-    let joint = joint(stage, skin);
-    // The skin hangs on its joint.
-    *stage.app.world_mut().get_mut(joint).unwrap() = Transform::IDENTITY;
     skin
-}
-
-fn joint(stage: &Stage, skin: Entity) -> Entity {
-    stage.app.world().get::<SkinnedMesh>(skin).unwrap().joints[0]
 }
 
 fn state(stage: &Stage, bird: Entity) -> PlumageState {
@@ -104,17 +99,6 @@ fn difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> f32 {
         .zip(b)
         .map(|(a, b)| Vec3::from_array(*a).distance(Vec3::from_array(*b)));
     apart.sum::<f32>() / sum(a).length().max(1.0e-6)
-}
-
-/// Cards of each class in the last frames, by the names of [`CARD_COUNTERS`].
-fn counted(stage: &mut Stage, name: &str) -> u64 {
-    for _ in 0..4 {
-        stage.frame();
-    }
-    let path = format!("render/feather_cards_{name}");
-    let store = stage.app.world().resource::<DiagnosticsStore>();
-    let found = store.iter().find(|d| d.path().as_str() == path);
-    found.and_then(|d| d.value()).unwrap_or(0.0) as u64
 }
 
 #[test]
@@ -283,133 +267,6 @@ fn two_kinds_of_bird_wear_their_own() {
         (c - a).length() < 0.05 * a.length() && d.length() < 0.2 * b.length(),
         "{c} {d}"
     );
-}
-
-#[test]
-fn feathers_follow_the_skeleton_to_the_edge_of_the_picture() {
-    let Some(mut stage) = Stage::new() else {
-        return;
-    };
-    let bird = spawn(&mut stage, groom(160, RED, "contour"), Vec3::ZERO);
-    stage.settle();
-    let home = stage.picture();
-    assert_eq!(
-        counted(&mut stage, "culled"),
-        0,
-        "all of it is in the picture"
-    );
-    // Far from the bind pose: the joint alone goes, the camera follows. The entities of skin and cards stay behind.
-    let joint = joint(&stage, bird);
-    let camera = stage.camera;
-    let far = Vec3::new(40.0, -25.0, 30.0);
-    let shift = |stage: &mut Stage, entity: Entity, by: Vec3| {
-        let mut transform = stage.app.world_mut().get_mut::<Transform>(entity).unwrap();
-        transform.translation += by;
-    };
-    shift(&mut stage, joint, far);
-    shift(&mut stage, camera, far);
-    for _ in 0..3 {
-        stage.frame();
-    }
-    let apart = difference(&home, &stage.picture());
-    assert!(apart < 0.1, "far from home the picture differs by {apart}");
-    assert_eq!(counted(&mut stage, "culled"), 0);
-    // Sideways, step by step: what is inside the picture is drawn, what is outside is culled.
-    let mut culled = Vec::new();
-    for _ in 0..5 {
-        shift(&mut stage, camera, Vec3::X * 0.09);
-        for _ in 0..2 {
-            stage.frame();
-        }
-        culled.push(counted(&mut stage, "culled"));
-        let picture = stage.picture();
-        // The column at the edge nearest to the bird shows feathers as long as any is left.
-        let edge: Vec<_> = (0..picture.len())
-            .filter(|i| *i as u32 % SIZE < 4)
-            .map(|i| picture[i])
-            .collect();
-        let visible = *culled.last().unwrap() < 120;
-        assert!(
-            !visible || culled.len() < 3 || lit_share(&edge) > 0.2,
-            "feathers vanish at the edge: {culled:?}"
-        );
-    }
-    assert!(
-        culled.windows(2).all(|pair| pair[0] <= pair[1]),
-        "{culled:?}"
-    );
-    assert_eq!(
-        *culled.last().unwrap(),
-        160,
-        "nothing is in the picture: {culled:?}"
-    );
-    assert!(culled.iter().any(|n| (20..150).contains(n)), "{culled:?}");
-}
-
-/// A feather whose tip rides on another joint than its root: where the joints part, its cards are not where the root alone would
-/// have them.
-#[test]
-fn a_bend_between_root_and_tip_does_not_cull() {
-    let Some(mut stage) = Stage::new() else {
-        return;
-    };
-    let bird = spawn(&mut stage, groom(160, RED, "contour"), Vec3::ZERO);
-    let world = stage.app.world_mut();
-    let (skin, mesh) = {
-        let bird = world.entity(bird);
-        let skin = bird.get::<SkinnedMesh>().unwrap().clone();
-        (skin, bird.get::<Mesh3d>().unwrap().0.clone())
-    };
-    let second = world
-        .spawn((Transform::IDENTITY, Name::new("second"), ChildOf(bird)))
-        .id();
-    let mut poses =
-        world.resource_mut::<Assets<bevy::mesh::skinning::SkinnedMeshInverseBindposes>>();
-    let inverse_bindposes = poses.add(bevy::mesh::skinning::SkinnedMeshInverseBindposes::from(
-        vec![Mat4::IDENTITY; 2],
-    ));
-    let mut meshes = world.resource_mut::<Assets<Mesh>>();
-    let mut mesh = meshes.get_mut(&mesh).unwrap();
-    let Some(VertexAttributeValues::Float32x3(places)) = mesh.attribute(Mesh::ATTRIBUTE_POSITION)
-    else {
-        panic!()
-    };
-    let low: Vec<bool> = places.iter().map(|p| p[1] < 0.0).collect();
-    let of = |low: &bool| if *low { [0, 1, 0, 0] } else { [0_u16; 4] };
-    let share = |low: &bool| {
-        if *low {
-            [0.0, 1.0, 0.0, 0.0]
-        } else {
-            [1.0, 0.0, 0.0, 0.0]
-        }
-    };
-    let joints = low.iter().map(of).collect();
-    let shares: Vec<[f32; 4]> = low.iter().map(share).collect();
-    mesh.insert_attribute(
-        Mesh::ATTRIBUTE_JOINT_INDEX,
-        VertexAttributeValues::Uint16x4(joints),
-    );
-    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, shares);
-    drop(mesh);
-    world.entity_mut(bird).insert(SkinnedMesh {
-        inverse_bindposes,
-        joints: vec![skin.joints[0], second],
-    });
-    stage.settle();
-    // The lower half goes down, the camera after it: the roots of the upper half are outside now, their tips are not.
-    let world = stage.app.world_mut();
-    world.get_mut::<Transform>(second).unwrap().translation.y = -0.06;
-    world
-        .get_mut::<Transform>(stage.camera)
-        .unwrap()
-        .translation
-        .y = -0.227;
-    for _ in 0..3 {
-        stage.frame();
-    }
-    let picture = stage.picture();
-    let share = lit_share(&picture[..(SIZE * 7) as usize]);
-    assert!(share > 0.1, "stretched feathers vanish: {share}");
 }
 
 /// Folder of assets of its own, gone at the end.

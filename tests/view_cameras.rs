@@ -13,11 +13,12 @@ use bevy::{
     picking::mesh_picking::ray_cast::{MeshRayCast, MeshRayCastSettings, RayCastVisibility},
     post_process::bloom::Bloom,
     prelude::*,
+    render::view::ColorGrading,
 };
 use bevy_plumage::{groom::PlumageOutput, prelude::*};
 use common::{
     app::{SIZE, Stage},
-    view::{frames, mean, rms, spawn_patch},
+    view::{darken, frames, mean, rms, spawn_patch},
 };
 
 fn stage() -> Option<(Stage, Entity)> {
@@ -136,6 +137,60 @@ fn multisampling_range_bloom_and_temporal_filter() {
         rms(&moved, &there) < 1.5 * after + 0.01,
         "trail: {} {after}",
         rms(&moved, &there)
+    );
+}
+
+/// Thirty-two times the light on film that is five stops slower is the same picture, on the feathers and in the glow around
+/// them: nothing is cut off before the tone curve.
+#[test]
+fn light_beyond_white_lasts_until_the_tone_curve() {
+    let Some((mut stage, _)) = stage() else {
+        return;
+    };
+    let camera = stage.camera;
+    darken(&mut stage);
+    let place = Transform::from_xyz(0.2, 0.4, 1.0).looking_at(Vec3::ZERO, Vec3::Y);
+    let light = DirectionalLight::default();
+    let sun = stage.app.world_mut().spawn((light, place)).id();
+    let mut under = |illuminance: f32, stops: f32, bloom: bool, hdr: bool| {
+        let world = stage.app.world_mut();
+        let mut light = world.get_mut::<DirectionalLight>(sun).unwrap();
+        light.illuminance = illuminance;
+        let mut grading = ColorGrading::default();
+        grading.global.exposure = stops;
+        let mut eye = world.entity_mut(camera);
+        eye.insert((Msaa::Off, Tonemapping::AcesFitted, grading))
+            .remove::<(Hdr, Bloom)>();
+        if hdr {
+            eye.insert(Hdr);
+        }
+        if bloom {
+            eye.insert(Bloom::NATURAL);
+        }
+        frames(&mut stage, 3);
+        stage.picture()
+    };
+    let mut both = |bloom, hdr| {
+        let plain = under(20_000.0, 0.0, bloom, hdr);
+        (plain, under(20_000.0 * 32.0, -5.0, bloom, hdr))
+    };
+    let (plain, strong) = both(false, true);
+    let (bloomed, dazzling) = both(true, true);
+    let (narrow, blinding) = both(false, false);
+    assert!(mean(&plain) > 0.05, "dark: {}", mean(&plain));
+    let off = [rms(&plain, &strong), rms(&narrow, &blinding)];
+    // Where there is nothing but glow.
+    let glow = |picture: &[[f32; 3]]| {
+        let empty = (0..plain.len()).filter(|i| plain[*i] == [0.0; 3]);
+        empty.map(|i| picture[i][0]).sum::<f32>() / plain.len() as f32
+    };
+    let glow = [&plain, &bloomed, &dazzling].map(|p| glow(p));
+    println!("apart: {off:?}, glow: {glow:?}");
+    assert!(off.iter().all(|off| *off < 2.0 / 255.0), "{off:?}");
+    // Bevy's first blur weighs bright pixels less.
+    assert!(
+        glow[0] == 0.0 && glow[1] > 1e-4 && glow[2] > 0.2 * glow[1],
+        "glow: {glow:?}"
     );
 }
 

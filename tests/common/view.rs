@@ -4,6 +4,7 @@ use super::app::{SIZE, Stage};
 use bevy::{
     asset::RenderAssetUsages,
     camera::ScalingMode,
+    diagnostic::DiagnosticsStore,
     light::{EnvironmentMapLight, GlobalAmbientLight},
     pbr::{Material, MaterialPlugin},
     prelude::*,
@@ -104,6 +105,16 @@ pub fn frames(stage: &mut Stage, count: u32) {
     for _ in 0..count {
         stage.frame();
     }
+}
+
+/// Cards of a class that the last camera saw, by the names of [`CARD_COUNTERS`].
+pub fn counted(stage: &mut Stage, class: &str) -> u64 {
+    // The number comes back a few frames late.
+    frames(stage, 4);
+    let path = format!("render/feather_cards_{class}");
+    let store = stage.app.world().resource::<DiagnosticsStore>();
+    let found = store.iter().find(|d| d.path().as_str() == path);
+    found.and_then(|d| d.value()).unwrap_or(0.0) as u64
 }
 
 /// Mean of all channels.
