@@ -23,7 +23,7 @@ use bevy_plumage::{
 };
 use common::{
     app::{SIZE, Stage},
-    view::counted,
+    view::{counts, frames},
 };
 use std::time::{Duration, Instant};
 
@@ -107,10 +107,14 @@ fn ready_comes_before_the_first_frame_that_shows() {
         return;
     };
     let bird = spawn(&mut stage, groom(120, RED, "contour"), Vec3::ZERO);
+    stage.frame();
+    assert!(!state(&stage, bird).is_ready(), "ready without a groom");
     let begun = Instant::now();
     let mut since = 0;
     loop {
         let ready = state(&stage, bird).is_ready();
+        let has_cards = stage.app.world().get::<PlumageOutput>(bird).is_some();
+        assert!(ready == has_cards, "ready {ready}, cards {has_cards}");
         // The next frame; reading it back takes a few more, in which nothing moves.
         let shows = lit_share(&stage.picture()) > 0.2;
         if shows {
@@ -148,6 +152,21 @@ fn birds_hide_go_and_come_again() {
     stage.frame();
     stage.settle();
     assert!(stage.picture() == first, "cards made again look otherwise");
+    // The bird loses its plumage, and gets it again.
+    let plumage = stage.app.world_mut().entity_mut(bird).take::<Plumage>();
+    frames(&mut stage, 2);
+    assert!(
+        lit_share(&stage.picture()) < 0.01,
+        "plumage taken off shows"
+    );
+    stage
+        .app
+        .world_mut()
+        .entity_mut(bird)
+        .insert(plumage.unwrap());
+    stage.frame();
+    stage.settle();
+    assert!(stage.picture() == first, "put on again it looks otherwise");
     stage.app.world_mut().entity_mut(bird).despawn();
     stage.frame();
     stage.frame();
@@ -202,7 +221,7 @@ fn groom_and_feathers_change_at_run_time() {
     );
     edit(&mut stage, &|groom| groom.regions[0].count = 2_500);
     assert_eq!(state(&stage, bird).cards, 2_500);
-    let many: u64 = CARD_COUNTERS.iter().map(|n| counted(&mut stage, n)).sum();
+    let many: u64 = counts(&mut stage).iter().sum();
     assert_eq!(many, 2_500, "every card is classified");
     edit(&mut stage, &|groom| groom.regions[0].count = 0);
     assert!(
@@ -241,32 +260,39 @@ fn two_kinds_of_bird_wear_their_own() {
     let Some(mut stage) = Stage::new() else {
         return;
     };
-    let left = Vec3::new(-0.12, 0.0, 0.0);
-    spawn(&mut stage, groom(120, RED, "contour"), left);
-    let one = spawn(&mut stage, groom(300, BLUE, "lesser_covert"), -left);
-    stage.settle();
-    let halves = |picture: &[[f32; 3]]| {
-        let half = |right: bool| {
-            let side = |i: &usize| (*i as u32 % SIZE >= SIZE / 2) == right;
-            let list: Vec<_> = (0..picture.len())
-                .filter(side)
-                .map(|i| picture[i])
-                .collect();
-            sum(&list)
-        };
-        (half(false), half(true))
+    let place = Vec3::new(0.12, 0.0, 0.0);
+    let kinds = [
+        (groom(120, RED, "contour"), -place),
+        (groom(300, BLUE, "down"), place),
+    ];
+    // Each alone, then both: neither changes the other's half of the picture.
+    let alone = kinds.clone().map(|(groom, at)| {
+        let bird = spawn(&mut stage, groom, at);
+        stage.settle();
+        let picture = stage.picture();
+        stage.app.world_mut().entity_mut(bird).despawn();
+        frames(&mut stage, 2);
+        picture
+    });
+    let half = |picture: &[[f32; 3]], right: bool| {
+        let side = |i: &usize| (*i as u32 % SIZE >= SIZE / 2) == right;
+        let pixels = (0..picture.len()).filter(side);
+        pixels.map(|i| picture[i]).collect::<Vec<_>>()
     };
-    let (a, b) = halves(&stage.picture());
-    // Down is pale: it takes less of the tint.
-    assert!(a.x > 1.5 * a.z && b.z > 1.1 * b.x, "{a} {b}");
-    stage.app.world_mut().entity_mut(one).despawn();
-    stage.frame();
-    stage.frame();
-    let (c, d) = halves(&stage.picture());
-    assert!(
-        (c - a).length() < 0.05 * a.length() && d.length() < 0.2 * b.length(),
-        "{c} {d}"
-    );
+    let [one, other] = kinds.map(|(groom, at)| spawn(&mut stage, groom, at));
+    stage.settle();
+    let both = stage.picture();
+    for (right, alone) in alone.iter().enumerate() {
+        let (wanted, found) = (half(alone, right == 1), half(&both, right == 1));
+        let apart = difference(&wanted, &found);
+        assert!(lit_share(&wanted) > 0.1, "{}", lit_share(&wanted));
+        assert!(apart < 0.05, "beside the other kind {apart} differ");
+    }
+    assert_ne!(state(&stage, one).cards, state(&stage, other).cards);
+    stage.app.world_mut().entity_mut(other).despawn();
+    frames(&mut stage, 2);
+    let apart = difference(&alone[0], &stage.picture());
+    assert!(apart < 0.01, "the other is gone, {apart} differ");
 }
 
 /// Folder of assets of its own, gone at the end.
@@ -348,6 +374,36 @@ fn files_reload_while_the_app_runs() {
     wait(&mut app, "the mended groom", &|state| {
         state.is_ready() && state.cards == 90
     });
+    // The feather's file: damaged nothing changes, mended the bird wears what it says.
+    let cards = app.world().get::<PlumageOutput>(bird).unwrap().0;
+    let worn = app.world().get::<PlumageCards>(cards).unwrap().feathers[0].clone();
+    let path = folder.0.join("feathers/contour.feather.ron");
+    let aspect = |app: &App| {
+        let feathers = app.world().resource::<Assets<Feather>>();
+        feathers.get(&worn).map(|feather| feather.aspect)
+    };
+    let reload = |app: &mut App, frames: u32| {
+        let server = app.world().resource::<AssetServer>();
+        server.reload("feathers/contour.feather.ron");
+        for _ in 0..frames {
+            app.update();
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    };
+    std::fs::write(&path, "(version: 1, na").unwrap();
+    reload(&mut app, 30);
+    assert_eq!(aspect(&app), Some(contour.aspect));
+    let mut wider = contour.clone();
+    wider.aspect *= 1.25;
+    wider.write(&path).unwrap();
+    reload(&mut app, 0);
+    let begun = Instant::now();
+    while aspect(&app) != Some(wider.aspect) {
+        assert!(begun.elapsed() < Duration::from_secs(60), "the new feather");
+        app.update();
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert!(app.world().get::<PlumageState>(bird).unwrap().is_ready());
 }
 
 #[test]

@@ -363,6 +363,27 @@ fn regions_come_from_what_the_mesh_offers() {
         let red = card.tint[0] > 2.0 * card.tint[1];
         assert_eq!(red, card.root.z > 0.0, "{:?} at {}", card.tint, card.root);
     }
+    // Colours that run into each other: every triangle has its region, and only one.
+    let shades: Vec<[f32; 4]> = positions(&mesh)
+        .iter()
+        .map(|p| {
+            let share = (p[2] * 4.0 + 0.5).clamp(0.0, 1.0);
+            [share, 0.3, 1.0 - share, 1.0]
+        })
+        .collect();
+    mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, shades);
+    let (groom, _) = fallback(&mesh, &JOINTS).unwrap();
+    assert!(groom.regions.len() > 3, "{}", groom.regions.len());
+    let skin = SkinMesh::from_meshes(&[&mesh], &[]).unwrap();
+    let mut taken = vec![0; skin.triangles.len()];
+    for region in &groom.regions {
+        let triangles = select::select_triangles(&region.select, &skin, &[], groom.unit);
+        taken
+            .iter_mut()
+            .zip(triangles)
+            .for_each(|(n, t)| *n += i32::from(t));
+    }
+    assert!(taken.iter().all(|n| *n == 1), "{taken:?}");
     // Joints without names of their own say nothing.
     let (groom, _) = fallback(&body(false), &["", "", "", ""]).unwrap();
     assert_eq!(names(&groom), ["all"]);

@@ -14,7 +14,7 @@ use bevy_plumage::prelude::*;
 use common::{
     app::Stage,
     view::{
-        Shown, counted, darken, frames, hang_sheet, keep, mean, mean_color, orthographic, rms,
+        Shown, counts, darken, frames, hang_sheet, keep, mean, mean_color, orthographic, rms,
         showing, silhouettes_differ, spawn_patch, with_sheets,
     },
 };
@@ -238,8 +238,8 @@ fn a_depth_prepass_changes_no_colour() {
         let with = draw(transparency, true);
         // No class has a pipeline of its own where feathers would go to a list that the camera does not have.
         let together = draw(FeatherTransparency::OrderIndependent, false);
-        for (class, name) in classes.iter_mut().zip(CARD_COUNTERS) {
-            *class += counted(&mut stage, name);
+        for (class, count) in classes.iter_mut().zip(counts(&mut stage)) {
+            *class += count;
         }
         let off = [rms(&with, &without), rms(&together, &without)];
         println!(
