@@ -220,23 +220,44 @@ fn posed(
     else {
         return Vec::new();
     };
-    let joints = mesh.attribute(Mesh::ATTRIBUTE_JOINT_INDEX);
     let bind = skin.and_then(|skin| Some((skin, poses.get(&skin.inverse_bindposes)?)));
-    let (Some((skin, bind)), Some(VertexAttributeValues::Uint16x4(joints))) = (bind, joints) else {
+    let (
+        Some((skin, bind)),
+        Some(VertexAttributeValues::Uint16x4(joints)),
+        Some(VertexAttributeValues::Float32x4(weights)),
+    ) = (
+        bind,
+        mesh.attribute(Mesh::ATTRIBUTE_JOINT_INDEX),
+        mesh.attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT),
+    )
+    else {
         return positions
             .iter()
             .map(|p| place.transform_point(Vec3::from_array(*p)))
             .collect();
     };
-    // The first joint, usually the strongest, is near enough to frame the model.
+    let matrices: Vec<Mat4> = skin
+        .joints
+        .iter()
+        .zip(bind.iter())
+        .map(|(joint, bind)| {
+            let joint = places
+                .get(*joint)
+                .map_or(Mat4::IDENTITY, GlobalTransform::to_matrix);
+            joint * *bind
+        })
+        .collect();
+    let carried = |p: &[f32; 3], joints: &[u16; 4], weights: &[f32; 4]| {
+        let parts = joints.iter().zip(weights).filter_map(|(joint, weight)| {
+            let matrix = matrices.get(usize::from(*joint))?;
+            Some(matrix.transform_point3(Vec3::from_array(*p)) * *weight)
+        });
+        parts.sum::<Vec3>()
+    };
     positions
         .iter()
         .zip(joints)
-        .filter_map(|(p, j)| {
-            let joint = usize::from(j[0]);
-            let matrix =
-                places.get(*skin.joints.get(joint)?).ok()?.to_matrix() * *bind.get(joint)?;
-            Some(matrix.transform_point3(Vec3::from_array(*p)))
-        })
+        .zip(weights)
+        .map(|((p, joints), weights)| carried(p, joints, weights))
         .collect()
 }

@@ -81,7 +81,7 @@ impl Groom {
                 placement: Placement::Scatter,
                 length: Span(length, length),
                 width: Span(WIDTH * length, WIDTH * length),
-                lift: Span(11.0, 11.0),
+                lift: Span(12.0, 12.0),
                 camber: 0.06,
                 curl: 6.0,
                 stiffness: 0.2,
