@@ -19,8 +19,14 @@ use bevy::{
 use bevy_plumage::prelude::*;
 use helper::{Args, camera::Shots, scene::Idle};
 
-/// Largest side of the model in the picture, metres.
-const SIZE: f32 = 0.6;
+/// Moments of its animation at which the model is measured.
+const MOMENTS: u32 = 8;
+/// Frames until the skeleton stands where a moment wants it.
+const SETTLE: u32 = 3;
+/// What feathers add around the skin, over its diagonal.
+const FEATHERS: f32 = 0.03;
+/// Share of the picture that the model fills.
+const FILLED: f32 = 0.88;
 
 fn main() {
     helper::run("your_own_mesh", |app| {
@@ -31,11 +37,13 @@ fn main() {
     });
 }
 
-/// The model, until its scene is there and painted.
-#[derive(Component)]
+/// The model, until its scene is there, painted and measured.
+#[derive(Component, Default)]
 struct Bare {
     ready: bool,
     frames: u32,
+    /// Where its vertices come to in the course of the animation.
+    points: Vec<Vec3>,
 }
 
 fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
@@ -50,10 +58,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
             assets.load(GltfAssetLabel::Animation(args.clip).from_asset(path)),
             0.0,
         ),
-        Bare {
-            ready: false,
-            frames: 0,
-        },
+        Bare::default(),
         PlumageState::default(),
         Transform::default(),
         Visibility::default(),
@@ -81,11 +86,12 @@ fn report(
     }
 }
 
-/// Once the scene stands in its first pose: colours, size, feathers.
+/// Once the scene is there: measures it all through its animation; then colours, size, feathers.
 fn dress(
     mut commands: Commands,
-    mut bare: Query<(Entity, &mut Bare, &mut Transform)>,
+    mut bare: Query<(Entity, &mut Bare, &Idle, &mut Transform)>,
     args: Res<Args>,
+    shots: Res<Shots>,
     children: Query<&Children>,
     parts: Query<(
         &Mesh3d,
@@ -94,52 +100,84 @@ fn dress(
         &GlobalTransform,
     )>,
     places: Query<&GlobalTransform>,
+    mut players: Query<&mut AnimationPlayer>,
+    clips: Res<Assets<AnimationClip>>,
     poses: Res<Assets<SkinnedMeshInverseBindposes>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     images: Res<Assets<Image>>,
 ) {
-    for (root, mut state, mut transform) in &mut bare {
+    for (root, mut state, idle, mut transform) in &mut bare {
         if !state.ready {
             continue;
         }
+        let duration = clips.get(&idle.0).map_or(0.0, AnimationClip::duration);
+        let moment = state.frames / SETTLE;
         state.frames += 1;
-        if state.frames < 3 {
-            continue;
-        }
-        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let seek = if moment < MOMENTS {
+            duration * moment as f32 / MOMENTS as f32
+        } else {
+            args.time.unwrap_or(0.0)
+        };
         for entity in children.iter_descendants(root) {
-            let Ok((mesh, skin, material, place)) = parts.get(entity) else {
-                continue;
-            };
-            if let Some(mut mesh) = meshes.get_mut(&mesh.0) {
-                if let Some(mut material) = material.and_then(|m| materials.get_mut(&m.0)) {
-                    paint(&mut mesh, &mut material, &images);
-                }
-                for point in posed(&mesh, skin, place, &places, &poses) {
-                    (low, high) = (low.min(point), high.max(point));
+            if let Ok(mut player) = players.get_mut(entity) {
+                for (_, active) in player.playing_animations_mut() {
+                    active.seek_to(seek);
                 }
             }
+            if state.frames.is_multiple_of(SETTLE)
+                && let Ok((mesh, skin, _, place)) = parts.get(entity)
+                && let Some(mesh) = meshes.get(&mesh.0)
+            {
+                let points = posed(mesh, skin, place, &places, &poses);
+                state.points.extend(points);
+            }
         }
-        let scale = SIZE / (high - low).max_element();
-        if scale.is_finite() && scale > 0.0 {
+        if moment < MOMENTS {
+            continue;
+        }
+        for entity in children.iter_descendants(root) {
+            if let Ok((mesh, _, material, _)) = parts.get(entity)
+                && let Some(mut mesh) = meshes.get_mut(&mesh.0)
+                && let Some(mut material) = material.and_then(|m| materials.get_mut(&m.0))
+            {
+                paint(&mut mesh, &mut material, &images);
+            }
+        }
+        if let Some((center, scale)) = fit(&state.points, &shots, args.size) {
             transform.scale = Vec3::splat(scale);
-            transform.translation = -0.5 * (low + high) * scale;
+            transform.translation = -center * scale;
         }
         commands.entity(root).remove::<Bare>().insert((
             // The default handle: no groom but what the mesh offers.
             Plumage::default()
                 .with_seed(args.seed)
                 .with_density(args.density.unwrap_or(1.0)),
-            FeatherQuality {
-                settings: FeatherSettings {
-                    debug_view: args.view.into(),
-                    ..default()
-                },
-                ..default()
-            },
+            args.quality(FeatherTransparency::default()),
         ));
     }
+}
+
+/// Middle of the points, and the scale at which the shots of the whole model hold them all.
+fn fit(points: &[Vec3], shots: &Shots, (width, height): (u32, u32)) -> Option<(Vec3, f32)> {
+    let low = points.iter().copied().reduce(Vec3::min)?;
+    let high = points.iter().copied().reduce(Vec3::max)?;
+    let center = 0.5 * (low + high);
+    let margin = FEATHERS * low.distance(high);
+    let mut scale = f32::INFINITY;
+    for shot in [shots.hero, shots.full, shots.back] {
+        let eye = Transform::from_translation(shot.eye).looking_at(shot.target, Vec3::Y);
+        let up = shot.eye.distance(shot.target) * (0.5 * shot.fov.to_radians()).tan();
+        let side = up * width as f32 / height as f32;
+        let reach = |axis: Vec3| {
+            let along = points.iter().map(|p| (*p - center).dot(axis).abs());
+            along.fold(0.0, f32::max) + margin
+        };
+        scale = scale
+            .min(up / reach(*eye.up()))
+            .min(side / reach(*eye.right()));
+    }
+    (scale.is_finite() && scale > 0.0).then_some((center, FILLED * scale))
 }
 
 /// Turns a base colour texture into vertex colours.
@@ -182,23 +220,44 @@ fn posed(
     else {
         return Vec::new();
     };
-    let joints = mesh.attribute(Mesh::ATTRIBUTE_JOINT_INDEX);
     let bind = skin.and_then(|skin| Some((skin, poses.get(&skin.inverse_bindposes)?)));
-    let (Some((skin, bind)), Some(VertexAttributeValues::Uint16x4(joints))) = (bind, joints) else {
+    let (
+        Some((skin, bind)),
+        Some(VertexAttributeValues::Uint16x4(joints)),
+        Some(VertexAttributeValues::Float32x4(weights)),
+    ) = (
+        bind,
+        mesh.attribute(Mesh::ATTRIBUTE_JOINT_INDEX),
+        mesh.attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT),
+    )
+    else {
         return positions
             .iter()
             .map(|p| place.transform_point(Vec3::from_array(*p)))
             .collect();
     };
-    // The first joint, usually the strongest, is near enough to frame the model.
+    let matrices: Vec<Mat4> = skin
+        .joints
+        .iter()
+        .zip(bind.iter())
+        .map(|(joint, bind)| {
+            let joint = places
+                .get(*joint)
+                .map_or(Mat4::IDENTITY, GlobalTransform::to_matrix);
+            joint * *bind
+        })
+        .collect();
+    let carried = |p: &[f32; 3], joints: &[u16; 4], weights: &[f32; 4]| {
+        let parts = joints.iter().zip(weights).filter_map(|(joint, weight)| {
+            let matrix = matrices.get(usize::from(*joint))?;
+            Some(matrix.transform_point3(Vec3::from_array(*p)) * *weight)
+        });
+        parts.sum::<Vec3>()
+    };
     positions
         .iter()
         .zip(joints)
-        .filter_map(|(p, j)| {
-            let joint = usize::from(j[0]);
-            let matrix =
-                places.get(*skin.joints.get(joint)?).ok()?.to_matrix() * *bind.get(joint)?;
-            Some(matrix.transform_point3(Vec3::from_array(*p)))
-        })
+        .zip(weights)
+        .map(|((p, joints), weights)| carried(p, joints, weights))
         .collect()
 }

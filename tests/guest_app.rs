@@ -1,11 +1,10 @@
-//! Birds come, change and go in apps that are not ours; what the camera sees of them is drawn, wherever the skeleton has put it.
+//! Birds come, change and go in apps that are not ours.
 
 mod common;
 
 use bevy::{
     app::PluginsState,
-    diagnostic::DiagnosticsStore,
-    mesh::{MeshPlugin, VertexAttributeValues, skinning::SkinnedMesh},
+    mesh::MeshPlugin,
     prelude::*,
     render::{
         RenderPlugin,
@@ -22,7 +21,10 @@ use bevy_plumage::{
     },
     prelude::*,
 };
-use common::app::{SIZE, Stage};
+use common::{
+    app::{SIZE, Stage},
+    view::{counts, frames},
+};
 use std::time::{Duration, Instant};
 
 const RED: [f32; 3] = [0.8, 0.1, 0.05];
@@ -71,14 +73,7 @@ fn spawn(stage: &mut Stage, groom: Groom, at: Vec3) -> Entity {
         Transform::from_translation(at),
     );
     stage.app.world_mut().entity_mut(skin).insert(bird);
-    let joint = joint(stage, skin);
-    // The skin hangs on its joint.
-    *stage.app.world_mut().get_mut(joint).unwrap() = Transform::IDENTITY;
     skin
-}
-
-fn joint(stage: &Stage, skin: Entity) -> Entity {
-    stage.app.world().get::<SkinnedMesh>(skin).unwrap().joints[0]
 }
 
 fn state(stage: &Stage, bird: Entity) -> PlumageState {
@@ -106,27 +101,20 @@ fn difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> f32 {
     apart.sum::<f32>() / sum(a).length().max(1.0e-6)
 }
 
-/// Cards of each class in the last frames, by the names of [`CARD_COUNTERS`].
-fn counted(stage: &mut Stage, name: &str) -> u64 {
-    for _ in 0..4 {
-        stage.frame();
-    }
-    let path = format!("render/feather_cards_{name}");
-    let store = stage.app.world().resource::<DiagnosticsStore>();
-    let found = store.iter().find(|d| d.path().as_str() == path);
-    found.and_then(|d| d.value()).unwrap_or(0.0) as u64
-}
-
 #[test]
 fn ready_comes_before_the_first_frame_that_shows() {
     let Some(mut stage) = Stage::new() else {
         return;
     };
     let bird = spawn(&mut stage, groom(120, RED, "contour"), Vec3::ZERO);
+    stage.frame();
+    assert!(!state(&stage, bird).is_ready(), "ready without a groom");
     let begun = Instant::now();
     let mut since = 0;
     loop {
         let ready = state(&stage, bird).is_ready();
+        let has_cards = stage.app.world().get::<PlumageOutput>(bird).is_some();
+        assert!(ready == has_cards, "ready {ready}, cards {has_cards}");
         // The next frame; reading it back takes a few more, in which nothing moves.
         let shows = lit_share(&stage.picture()) > 0.2;
         if shows {
@@ -164,6 +152,21 @@ fn birds_hide_go_and_come_again() {
     stage.frame();
     stage.settle();
     assert!(stage.picture() == first, "cards made again look otherwise");
+    // The bird loses its plumage, and gets it again.
+    let plumage = stage.app.world_mut().entity_mut(bird).take::<Plumage>();
+    frames(&mut stage, 2);
+    assert!(
+        lit_share(&stage.picture()) < 0.01,
+        "plumage taken off shows"
+    );
+    stage
+        .app
+        .world_mut()
+        .entity_mut(bird)
+        .insert(plumage.unwrap());
+    stage.frame();
+    stage.settle();
+    assert!(stage.picture() == first, "put on again it looks otherwise");
     stage.app.world_mut().entity_mut(bird).despawn();
     stage.frame();
     stage.frame();
@@ -218,7 +221,7 @@ fn groom_and_feathers_change_at_run_time() {
     );
     edit(&mut stage, &|groom| groom.regions[0].count = 2_500);
     assert_eq!(state(&stage, bird).cards, 2_500);
-    let many: u64 = CARD_COUNTERS.iter().map(|n| counted(&mut stage, n)).sum();
+    let many: u64 = counts(&mut stage).iter().sum();
     assert_eq!(many, 2_500, "every card is classified");
     edit(&mut stage, &|groom| groom.regions[0].count = 0);
     assert!(
@@ -257,159 +260,39 @@ fn two_kinds_of_bird_wear_their_own() {
     let Some(mut stage) = Stage::new() else {
         return;
     };
-    let left = Vec3::new(-0.12, 0.0, 0.0);
-    spawn(&mut stage, groom(120, RED, "contour"), left);
-    let one = spawn(&mut stage, groom(300, BLUE, "lesser_covert"), -left);
-    stage.settle();
-    let halves = |picture: &[[f32; 3]]| {
-        let half = |right: bool| {
-            let side = |i: &usize| (*i as u32 % SIZE >= SIZE / 2) == right;
-            let list: Vec<_> = (0..picture.len())
-                .filter(side)
-                .map(|i| picture[i])
-                .collect();
-            sum(&list)
-        };
-        (half(false), half(true))
-    };
-    let (a, b) = halves(&stage.picture());
-    // Down is pale: it takes less of the tint.
-    assert!(a.x > 1.5 * a.z && b.z > 1.1 * b.x, "{a} {b}");
-    stage.app.world_mut().entity_mut(one).despawn();
-    stage.frame();
-    stage.frame();
-    let (c, d) = halves(&stage.picture());
-    assert!(
-        (c - a).length() < 0.05 * a.length() && d.length() < 0.2 * b.length(),
-        "{c} {d}"
-    );
-}
-
-#[test]
-fn feathers_follow_the_skeleton_to_the_edge_of_the_picture() {
-    let Some(mut stage) = Stage::new() else {
-        return;
-    };
-    let bird = spawn(&mut stage, groom(160, RED, "contour"), Vec3::ZERO);
-    stage.settle();
-    let home = stage.picture();
-    assert_eq!(
-        counted(&mut stage, "culled"),
-        0,
-        "all of it is in the picture"
-    );
-    // Far from the bind pose: the joint alone goes, the camera follows. The entities of skin and cards stay behind.
-    let joint = joint(&stage, bird);
-    let camera = stage.camera;
-    let far = Vec3::new(40.0, -25.0, 30.0);
-    let shift = |stage: &mut Stage, entity: Entity, by: Vec3| {
-        let mut transform = stage.app.world_mut().get_mut::<Transform>(entity).unwrap();
-        transform.translation += by;
-    };
-    shift(&mut stage, joint, far);
-    shift(&mut stage, camera, far);
-    for _ in 0..3 {
-        stage.frame();
-    }
-    let apart = difference(&home, &stage.picture());
-    assert!(apart < 0.1, "far from home the picture differs by {apart}");
-    assert_eq!(counted(&mut stage, "culled"), 0);
-    // Sideways, step by step: what is inside the picture is drawn, what is outside is culled.
-    let mut culled = Vec::new();
-    for _ in 0..5 {
-        shift(&mut stage, camera, Vec3::X * 0.09);
-        for _ in 0..2 {
-            stage.frame();
-        }
-        culled.push(counted(&mut stage, "culled"));
+    let place = Vec3::new(0.12, 0.0, 0.0);
+    let kinds = [
+        (groom(120, RED, "contour"), -place),
+        (groom(300, BLUE, "down"), place),
+    ];
+    // Each alone, then both: neither changes the other's half of the picture.
+    let alone = kinds.clone().map(|(groom, at)| {
+        let bird = spawn(&mut stage, groom, at);
+        stage.settle();
         let picture = stage.picture();
-        // The column at the edge nearest to the bird shows feathers as long as any is left.
-        let edge: Vec<_> = (0..picture.len())
-            .filter(|i| *i as u32 % SIZE < 4)
-            .map(|i| picture[i])
-            .collect();
-        let visible = *culled.last().unwrap() < 120;
-        assert!(
-            !visible || culled.len() < 3 || lit_share(&edge) > 0.2,
-            "feathers vanish at the edge: {culled:?}"
-        );
-    }
-    assert!(
-        culled.windows(2).all(|pair| pair[0] <= pair[1]),
-        "{culled:?}"
-    );
-    assert_eq!(
-        *culled.last().unwrap(),
-        160,
-        "nothing is in the picture: {culled:?}"
-    );
-    assert!(culled.iter().any(|n| (20..150).contains(n)), "{culled:?}");
-}
-
-/// A feather whose tip rides on another joint than its root: where the joints part, its cards are not where the root alone would
-/// have them.
-#[test]
-fn a_bend_between_root_and_tip_does_not_cull() {
-    let Some(mut stage) = Stage::new() else {
-        return;
-    };
-    let bird = spawn(&mut stage, groom(160, RED, "contour"), Vec3::ZERO);
-    let world = stage.app.world_mut();
-    let (skin, mesh) = {
-        let bird = world.entity(bird);
-        let skin = bird.get::<SkinnedMesh>().unwrap().clone();
-        (skin, bird.get::<Mesh3d>().unwrap().0.clone())
-    };
-    let second = world
-        .spawn((Transform::IDENTITY, Name::new("second"), ChildOf(bird)))
-        .id();
-    let mut poses =
-        world.resource_mut::<Assets<bevy::mesh::skinning::SkinnedMeshInverseBindposes>>();
-    let inverse_bindposes = poses.add(bevy::mesh::skinning::SkinnedMeshInverseBindposes::from(
-        vec![Mat4::IDENTITY; 2],
-    ));
-    let mut meshes = world.resource_mut::<Assets<Mesh>>();
-    let mut mesh = meshes.get_mut(&mesh).unwrap();
-    let Some(VertexAttributeValues::Float32x3(places)) = mesh.attribute(Mesh::ATTRIBUTE_POSITION)
-    else {
-        panic!()
-    };
-    let low: Vec<bool> = places.iter().map(|p| p[1] < 0.0).collect();
-    let of = |low: &bool| if *low { [0, 1, 0, 0] } else { [0_u16; 4] };
-    let share = |low: &bool| {
-        if *low {
-            [0.0, 1.0, 0.0, 0.0]
-        } else {
-            [1.0, 0.0, 0.0, 0.0]
-        }
-    };
-    let joints = low.iter().map(of).collect();
-    let shares: Vec<[f32; 4]> = low.iter().map(share).collect();
-    mesh.insert_attribute(
-        Mesh::ATTRIBUTE_JOINT_INDEX,
-        VertexAttributeValues::Uint16x4(joints),
-    );
-    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, shares);
-    drop(mesh);
-    world.entity_mut(bird).insert(SkinnedMesh {
-        inverse_bindposes,
-        joints: vec![skin.joints[0], second],
+        stage.app.world_mut().entity_mut(bird).despawn();
+        frames(&mut stage, 2);
+        picture
     });
+    let half = |picture: &[[f32; 3]], right: bool| {
+        let side = |i: &usize| (*i as u32 % SIZE >= SIZE / 2) == right;
+        let pixels = (0..picture.len()).filter(side);
+        pixels.map(|i| picture[i]).collect::<Vec<_>>()
+    };
+    let [one, other] = kinds.map(|(groom, at)| spawn(&mut stage, groom, at));
     stage.settle();
-    // The lower half goes down, the camera after it: the roots of the upper half are outside now, their tips are not.
-    let world = stage.app.world_mut();
-    world.get_mut::<Transform>(second).unwrap().translation.y = -0.06;
-    world
-        .get_mut::<Transform>(stage.camera)
-        .unwrap()
-        .translation
-        .y = -0.227;
-    for _ in 0..3 {
-        stage.frame();
+    let both = stage.picture();
+    for (right, alone) in alone.iter().enumerate() {
+        let (wanted, found) = (half(alone, right == 1), half(&both, right == 1));
+        let apart = difference(&wanted, &found);
+        assert!(lit_share(&wanted) > 0.1, "{}", lit_share(&wanted));
+        assert!(apart < 0.05, "beside the other kind {apart} differ");
     }
-    let picture = stage.picture();
-    let share = lit_share(&picture[..(SIZE * 7) as usize]);
-    assert!(share > 0.1, "stretched feathers vanish: {share}");
+    assert_ne!(state(&stage, one).cards, state(&stage, other).cards);
+    stage.app.world_mut().entity_mut(other).despawn();
+    frames(&mut stage, 2);
+    let apart = difference(&alone[0], &stage.picture());
+    assert!(apart < 0.01, "the other is gone, {apart} differ");
 }
 
 /// Folder of assets of its own, gone at the end.
@@ -491,6 +374,36 @@ fn files_reload_while_the_app_runs() {
     wait(&mut app, "the mended groom", &|state| {
         state.is_ready() && state.cards == 90
     });
+    // The feather's file: damaged nothing changes, mended the bird wears what it says.
+    let cards = app.world().get::<PlumageOutput>(bird).unwrap().0;
+    let worn = app.world().get::<PlumageCards>(cards).unwrap().feathers[0].clone();
+    let path = folder.0.join("feathers/contour.feather.ron");
+    let aspect = |app: &App| {
+        let feathers = app.world().resource::<Assets<Feather>>();
+        feathers.get(&worn).map(|feather| feather.aspect)
+    };
+    let reload = |app: &mut App, frames: u32| {
+        let server = app.world().resource::<AssetServer>();
+        server.reload("feathers/contour.feather.ron");
+        for _ in 0..frames {
+            app.update();
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    };
+    std::fs::write(&path, "(version: 1, na").unwrap();
+    reload(&mut app, 30);
+    assert_eq!(aspect(&app), Some(contour.aspect));
+    let mut wider = contour.clone();
+    wider.aspect *= 1.25;
+    wider.write(&path).unwrap();
+    reload(&mut app, 0);
+    let begun = Instant::now();
+    while aspect(&app) != Some(wider.aspect) {
+        assert!(begun.elapsed() < Duration::from_secs(60), "the new feather");
+        app.update();
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert!(app.world().get::<PlumageState>(bird).unwrap().is_ready());
 }
 
 #[test]

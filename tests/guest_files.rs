@@ -4,8 +4,8 @@ mod groom_common;
 
 use bevy::{
     asset::RenderAssetUsages,
-    math::Vec3,
-    mesh::{Indices, Mesh, PrimitiveTopology, VertexAttributeValues},
+    math::{Vec3, primitives::Sphere},
+    mesh::{Indices, Mesh, Meshable, PrimitiveTopology, VertexAttributeValues},
 };
 use bevy_plumage::{
     anatomy::{Feather, FeatherError},
@@ -363,9 +363,94 @@ fn regions_come_from_what_the_mesh_offers() {
         let red = card.tint[0] > 2.0 * card.tint[1];
         assert_eq!(red, card.root.z > 0.0, "{:?} at {}", card.tint, card.root);
     }
+    // Colours that run into each other: every triangle has its region, and only one.
+    let shades: Vec<[f32; 4]> = positions(&mesh)
+        .iter()
+        .map(|p| {
+            let share = (p[2] * 4.0 + 0.5).clamp(0.0, 1.0);
+            [share, 0.3, 1.0 - share, 1.0]
+        })
+        .collect();
+    mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, shades);
+    let (groom, _) = fallback(&mesh, &JOINTS).unwrap();
+    assert!(groom.regions.len() > 3, "{}", groom.regions.len());
+    let skin = SkinMesh::from_meshes(&[&mesh], &[]).unwrap();
+    let mut taken = vec![0; skin.triangles.len()];
+    for region in &groom.regions {
+        let triangles = select::select_triangles(&region.select, &skin, &[], groom.unit);
+        taken
+            .iter_mut()
+            .zip(triangles)
+            .for_each(|(n, t)| *n += i32::from(t));
+    }
+    assert!(taken.iter().all(|n| *n == 1), "{taken:?}");
     // Joints without names of their own say nothing.
     let (groom, _) = fallback(&body(false), &["", "", "", ""]).unwrap();
     assert_eq!(names(&groom), ["all"]);
+}
+
+/// Share of the skin above which no vane lies, bind pose: a ray leaves every fifth triangle along its normal.
+fn bare_share(skin: &SkinMesh, coat: &Coat) -> f32 {
+    let places = positions(&coat.mesh);
+    let Some(VertexAttributeValues::Float32x2(uvs)) = coat.mesh.attribute(Mesh::ATTRIBUTE_UV_0)
+    else {
+        panic!("no texture coordinates")
+    };
+    let indices: Vec<usize> = coat.mesh.indices().unwrap().iter().collect();
+    let longest = coat
+        .cards
+        .iter()
+        .map(|card| card.length)
+        .fold(0.0, f32::max);
+    let covers = |corners: &[usize], from: Vec3, along: Vec3| {
+        let [a, b, c] = [0, 1, 2].map(|i| Vec3::from_array(places[corners[i]]) - from);
+        // Möller and Trumbore 1997.
+        let (to_b, to_c) = (b - a, c - a);
+        let across = along.cross(to_c);
+        let volume = to_b.dot(across);
+        let u = -a.dot(across) / volume;
+        let q = -a.cross(to_b);
+        let (v, distance) = (along.dot(q) / volume, to_c.dot(q) / volume);
+        let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
+        let at = |k: usize| {
+            let [a, b, c] = [0, 1, 2].map(|i| uvs[corners[i]][k]);
+            a + u * (b - a) + v * (c - a)
+        };
+        // The vane is closed above the first quarter, and rounder than the card.
+        inside && (0.0..longest).contains(&distance) && at(1) > 0.25 && (at(0) - 0.5).abs() < 0.4
+    };
+    let (mut bare, mut all) = (0.0, 0.0);
+    for triangle in (0..skin.triangles.len() as u32).step_by(5) {
+        let bary = Vec3::splat(1.0 / 3.0);
+        let from = skin.position(skin::SurfacePoint { triangle, bary });
+        let along = skin.face_normals[triangle as usize];
+        let near = |corners: &&[usize]| {
+            Vec3::from_array(places[corners[0]]).distance(from) < 2.0 * longest
+        };
+        let mut above = indices.chunks(3).filter(near);
+        all += skin.areas[triangle as usize];
+        if !above.any(|corners| covers(corners, from, along)) {
+            bare += skin.areas[triangle as usize];
+        }
+    }
+    bare / all
+}
+
+/// A thin wing with a front edge, and a ball: no guide says how their feathers lie, and still little stays bare.
+#[test]
+fn feathers_without_guides_cover_edges() {
+    let shares = [Vec3::new(1.0, 0.06, 0.3), Vec3::ONE].map(|shape| {
+        let ball = Sphere::new(1.0).mesh().ico(20).unwrap();
+        let mesh = ball.scaled_by(shape);
+        let skin = SkinMesh::from_meshes(&[&mesh], &[]).unwrap();
+        let groom = Groom::fallback(&skin, &[]);
+        let joints = Vec::new();
+        let bird = Bird { skin, joints };
+        let coat = groom_bird(&bird, &groom, 1, 1.0).unwrap();
+        bare_share(&bird.skin, &coat)
+    });
+    println!("bare: {shares:?}");
+    assert!(shares[0] < 0.03 && shares[1] < 0.005, "{shares:?}");
 }
 
 #[test]

@@ -13,11 +13,12 @@ use bevy::{
     picking::mesh_picking::ray_cast::{MeshRayCast, MeshRayCastSettings, RayCastVisibility},
     post_process::bloom::Bloom,
     prelude::*,
+    render::view::ColorGrading,
 };
 use bevy_plumage::{groom::PlumageOutput, prelude::*};
 use common::{
     app::{SIZE, Stage},
-    view::{frames, mean, rms, spawn_patch},
+    view::{darken, frames, mean, orthographic, rms, spawn_patch},
 };
 
 fn stage() -> Option<(Stage, Entity)> {
@@ -139,6 +140,108 @@ fn multisampling_range_bloom_and_temporal_filter() {
     );
 }
 
+/// Thirty-two times the light on film that is five stops slower is the same picture, on the feathers and in the glow around
+/// them: nothing is cut off before the tone curve.
+#[test]
+fn light_beyond_white_lasts_until_the_tone_curve() {
+    let Some((mut stage, _)) = stage() else {
+        return;
+    };
+    let camera = stage.camera;
+    darken(&mut stage);
+    let place = Transform::from_xyz(0.2, 0.4, 1.0).looking_at(Vec3::ZERO, Vec3::Y);
+    let light = DirectionalLight::default();
+    let sun = stage.app.world_mut().spawn((light, place)).id();
+    let mut under = |illuminance: f32, stops: f32, bloom: bool, hdr: bool| {
+        let world = stage.app.world_mut();
+        let mut light = world.get_mut::<DirectionalLight>(sun).unwrap();
+        light.illuminance = illuminance;
+        let mut grading = ColorGrading::default();
+        grading.global.exposure = stops;
+        let mut eye = world.entity_mut(camera);
+        eye.insert((Msaa::Off, Tonemapping::AcesFitted, grading))
+            .remove::<(Hdr, Bloom)>();
+        if hdr {
+            eye.insert(Hdr);
+        }
+        if bloom {
+            eye.insert(Bloom::NATURAL);
+        }
+        frames(&mut stage, 3);
+        stage.picture()
+    };
+    let mut both = |bloom, hdr| {
+        let plain = under(20_000.0, 0.0, bloom, hdr);
+        (plain, under(20_000.0 * 32.0, -5.0, bloom, hdr))
+    };
+    let (plain, strong) = both(false, true);
+    let (bloomed, dazzling) = both(true, true);
+    let (narrow, blinding) = both(false, false);
+    assert!(mean(&plain) > 0.05, "dark: {}", mean(&plain));
+    let off = [rms(&plain, &strong), rms(&narrow, &blinding)];
+    // Where there is nothing but glow.
+    let glow = |picture: &[[f32; 3]]| {
+        let empty = (0..plain.len()).filter(|i| plain[*i] == [0.0; 3]);
+        empty.map(|i| picture[i][0]).sum::<f32>() / plain.len() as f32
+    };
+    let glow = [&plain, &bloomed, &dazzling].map(|p| glow(p));
+    println!("apart: {off:?}, glow: {glow:?}");
+    assert!(off.iter().all(|off| *off < 2.0 / 255.0), "{off:?}");
+    // Bevy's first blur weighs bright pixels less.
+    assert!(
+        glow[0] == 0.0 && glow[1] > 1e-4 && glow[2] > 0.2 * glow[1],
+        "glow: {glow:?}"
+    );
+}
+
+/// An orthographic camera sees what a long lens sees from afar.
+#[test]
+fn orthographic_cameras_see_like_long_lenses() {
+    let Some((mut stage, _)) = stage() else {
+        return;
+    };
+    let camera = stage.camera;
+    let mut seen = |projection: Projection, distance: f32| {
+        let place = Transform::from_xyz(0.0, 0.3 * distance, distance);
+        let mut eye = stage.app.world_mut().entity_mut(camera);
+        eye.insert((projection, place.looking_at(Vec3::ZERO, Vec3::Y)));
+        frames(&mut stage, 3);
+        stage.picture()
+    };
+    let flat = seen(orthographic(), 0.5);
+    let away = 40.0 * 1.09_f32.sqrt();
+    let lens = PerspectiveProjection {
+        fov: 2.0 * (0.06 / away).atan(),
+        near: 10.0,
+        ..default()
+    };
+    let long = seen(Projection::Perspective(lens), 40.0);
+    let off = rms(&flat, &long) / mean(&long);
+    println!("apart by {off} of {}", mean(&long));
+    assert!(mean(&long) > 0.05 && off < 0.1, "{off}");
+}
+
+/// From behind feathers cover as much as from the front, and are lit.
+#[test]
+fn feathers_have_two_sides() {
+    let Some((mut stage, _)) = stage() else {
+        return;
+    };
+    let camera = stage.camera;
+    let mut seen = |z: f32| {
+        let place = Transform::from_xyz(0.0, 0.0, z).looking_at(Vec3::ZERO, Vec3::Y);
+        stage.app.world_mut().entity_mut(camera).insert(place);
+        frames(&mut stage, 3);
+        let picture = stage.picture();
+        let lit = picture.iter().filter(|p| p[0] > 0.003).count();
+        (lit as f32 / picture.len() as f32, mean(&picture))
+    };
+    let (front, back) = (seen(0.5), seen(-0.5));
+    println!("front {front:?}, back {back:?}");
+    assert!(front.0 > 0.2 && (back.0 / front.0 - 1.0).abs() < 0.05);
+    assert!(back.1 > 0.2 * front.1, "{front:?} {back:?}");
+}
+
 #[test]
 fn two_cameras_layers_ranges_and_the_mouse() {
     let Some((mut stage, bird)) = stage() else {
@@ -180,6 +283,20 @@ fn two_cameras_layers_ranges_and_the_mouse() {
         left > 0.01 && right > 0.001 && right < left,
         "{left} {right}"
     );
+    // Each camera culls for itself: where the first looks away, the second sees what it saw.
+    let aside = |stage: &mut Stage, by: f32| {
+        let mut eye = stage.app.world_mut().get_mut::<Transform>(camera).unwrap();
+        eye.translation.x += by;
+        frames(stage, 4);
+        stage.picture()
+    };
+    let looked_away = aside(&mut stage, 5.0);
+    let [left, alone] = halves(&looked_away);
+    assert!(
+        left < 1e-4 && (alone / right - 1.0).abs() < 0.01,
+        "{left}, {alone} {right}"
+    );
+    assert!(aside(&mut stage, -5.0) == split, "looking back");
     // Layers: only the second camera sees them.
     stage
         .app

@@ -15,7 +15,7 @@ use bevy::{
 use bevy_plumage::prelude::*;
 use common::{
     app::Stage,
-    view::{darken, frames, mean, mean_color, plain_image, spawn_patch},
+    view::{culled, darken, frames, mean, mean_color, orthographic, plain_image, spawn_patch},
 };
 
 /// A dark stage with a patch of feathers.
@@ -259,6 +259,71 @@ fn shadows_of_every_light_and_filter_fall_on_feathers() {
         .insert(NotShadowReceiver);
     let free = with(&mut stage, (lamp(true), from(0.0, 0.0, 1.0)));
     assert!((free / open - 1.0).abs() < 0.03, "{}", free / open);
+}
+
+/// Feathers that the camera does not see, and culls, still cast their shadow on a wall that it sees.
+#[test]
+fn feathers_outside_of_the_picture_cast_shadows() {
+    let Some((mut stage, _)) = stage() else {
+        return;
+    };
+    let world = stage.app.world_mut();
+    let mesh = world
+        .resource_mut::<Assets<Mesh>>()
+        .add(Rectangle::new(2.0, 1.0));
+    let material = world
+        .resource_mut::<Assets<StandardMaterial>>()
+        .add(Color::WHITE);
+    world.spawn((
+        Mesh3d(mesh),
+        MeshMaterial3d(material),
+        Transform::from_xyz(0.0, 0.0, -0.3),
+    ));
+    // The light falls from the left past the feathers to the place that the camera looks at.
+    let spot = Vec3::new(0.45, 0.0, -0.3);
+    let eye = Transform::from_translation(spot.with_z(0.5)).looking_at(spot, Vec3::Y);
+    let camera = stage.camera;
+    stage
+        .app
+        .world_mut()
+        .entity_mut(camera)
+        .insert((eye, orthographic()));
+    let light = from(-1.5, 0.0, 1.0);
+    let sun = |shadow_maps_enabled| DirectionalLight {
+        illuminance: 3000.0,
+        shadow_maps_enabled,
+        ..default()
+    };
+    let cascades = || {
+        CascadeShadowConfigBuilder {
+            num_cascades: 1,
+            maximum_distance: 2.0,
+            ..default()
+        }
+        .build()
+    };
+    let lamp = |shadow_maps_enabled| PointLight {
+        intensity: 90_000.0,
+        shadow_maps_enabled,
+        ..default()
+    };
+    let beam = |shadow_maps_enabled| SpotLight {
+        intensity: 90_000.0,
+        inner_angle: 0.5,
+        outer_angle: 0.8,
+        shadow_maps_enabled,
+        ..default()
+    };
+    let open = with(&mut stage, (sun(false), cascades(), light));
+    assert_eq!(culled(&mut stage), 150);
+    let shaded = with(&mut stage, (sun(true), cascades(), light));
+    let mut shares = vec![shaded / open];
+    let open = with(&mut stage, (lamp(false), light));
+    shares.push(with(&mut stage, (lamp(true), light)) / open);
+    let open = with(&mut stage, (beam(false), light));
+    shares.push(with(&mut stage, (beam(true), light)) / open);
+    println!("light left by sun, point, spot: {shares:?}");
+    assert!(shares.iter().all(|share| *share < 0.6), "{shares:?}");
 }
 
 #[test]

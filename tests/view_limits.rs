@@ -9,8 +9,9 @@ use bevy::{
     },
     prelude::*,
     render::{
+        render_resource::{BufferDescriptor, BufferUsages},
         renderer::RenderDevice,
-        settings::{WgpuSettings, WgpuSettingsPriority},
+        settings::{WgpuLimits, WgpuSettings, WgpuSettingsPriority},
     },
 };
 use bevy_plumage::{groom::PlumageOutput, prelude::*};
@@ -61,11 +62,21 @@ fn the_limits_of_webgpu_are_enough() {
 
 #[test]
 fn a_device_below_the_limits_gets_cut_out_cards() {
-    let Some(mut stage) = Stage::with(WgpuSettings::default(), |app| {
-        app.insert_resource(FeatherPath::CutOut);
-    }) else {
+    // Bevy itself can do with fewer layers than feathers want.
+    let settings = WgpuSettings {
+        constrained_limits: Some(WgpuLimits {
+            max_texture_array_layers: 32,
+            ..default()
+        }),
+        ..default()
+    };
+    let Some(mut stage) = Stage::with(settings, |_| {}) else {
         return;
     };
+    assert_eq!(
+        *stage.app.world().resource::<FeatherPath>(),
+        FeatherPath::CutOut
+    );
     let bird = spawn_patch(&mut stage, 60, Vec3::ZERO, FeatherQuality::default());
     stage.settle();
     frames(&mut stage, 3);
@@ -91,4 +102,26 @@ fn a_device_below_the_limits_gets_cut_out_cards() {
     // Red like the groom's tint.
     let [r, g, b] = mean_color(&picture);
     assert!(r > 1.5 * g && r > 1.5 * b, "{r} {g} {b}");
+}
+
+/// What the other tests rely on: an error of the GPU's validation ends the app, and so the test.
+#[test]
+fn a_validation_error_fails_a_test() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    stage.frame();
+    let device = stage.app.world().resource::<RenderDevice>();
+    // Memory for nothing is against the rules.
+    device.create_buffer(&BufferDescriptor {
+        label: Some("wrong"),
+        size: 16,
+        usage: BufferUsages::empty(),
+        mapped_at_creation: false,
+    });
+    let run = std::panic::AssertUnwindSafe(|| frames(&mut stage, 3));
+    let failed = std::panic::catch_unwind(run).unwrap_err();
+    let said = failed.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    let said = said.or_else(|| failed.downcast_ref::<String>().cloned());
+    assert!(said.unwrap().contains("the renderer stopped"));
 }

@@ -95,6 +95,8 @@ pub enum Select {
     Tract(u32),
     /// Triangles whose vertex colour is within the distance of the colour (linear RGB, distance).
     Color([f32; 3], f32),
+    /// Triangles whose vertex colour is nearer to the first colour than to any of the others (linear RGB).
+    Nearest([f32; 3], Vec<[f32; 3]>),
     /// Triangles mostly carried by one of the joints named.
     Joints(Vec<String>),
     /// Triangles inside the box (minimum, maximum).

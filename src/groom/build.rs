@@ -61,6 +61,8 @@ pub struct Ground {
     pub cover: f32,
 }
 
+/// How far before its place a feather begins where no guide says how it lies, in lengths.
+const BEFORE: f32 = 0.25;
 /// Area of a feather over that of its card.
 const VANE_SHARE: f32 = 0.7;
 
@@ -346,8 +348,16 @@ fn feather(
         clearance: clearance + 0.012 * width * draw.uniform(),
         segments: usize::from(region.segments.0),
     };
-    let shaft = drape(skin, lay, follicle.at, &shape);
-    let root: Weights = skin.joint_weights(follicle.at);
+    // A default lay parts along the front edges of wings and over foreheads, where nothing lies over the roots: feathers that
+    // begin a little before their place cover them.
+    let root = if groom.guides.is_empty() {
+        let before = skin.interpolate(lay, follicle.at) * (BEFORE * length);
+        skin.walk(follicle.at.triangle, follicle.position - before)
+    } else {
+        follicle.at
+    };
+    let shaft = drape(skin, lay, root, &shape);
+    let root: Weights = skin.joint_weights(root);
     // Towards the tip a feather goes more and more with the skin below it, so that neighbours stay in order; but a long one that lies
     // over a wing must not be carried off with it.
     let weights = if root.1[0] > 0.0 {

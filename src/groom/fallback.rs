@@ -2,6 +2,7 @@
 
 use super::{
     asset::{Groom, Jitter, Placement, Region, Select, Span, Tint},
+    select::select_triangles,
     skin::SkinMesh,
 };
 use bevy::{
@@ -80,7 +81,7 @@ impl Groom {
                 placement: Placement::Scatter,
                 length: Span(length, length),
                 width: Span(WIDTH * length, WIDTH * length),
-                lift: Span(11.0, 11.0),
+                lift: Span(12.0, 12.0),
                 camber: 0.06,
                 curl: 6.0,
                 stiffness: 0.2,
@@ -191,9 +192,9 @@ fn by_color(skin: &SkinMesh) -> Option<Vec<Part>> {
     // Five levels of each channel, as the eye sees them.
     let key = |triangle: u32| mean(triangle).map(|c| srgb(c).map(|x| (x * 4.0).round() as u8));
     let kinds = areas(skin, key)?;
-    let centers: Vec<(Vec3, f32)> = kinds
-        .iter()
-        .map(|(kind, area)| {
+    let centers: Vec<Vec3> = kinds
+        .keys()
+        .map(|kind| {
             let (mut sum, mut total) = (Vec3::ZERO, 0.0);
             for (triangle, area) in skin.areas.iter().enumerate() {
                 if key(triangle as u32).as_ref() == Some(kind)
@@ -203,24 +204,24 @@ fn by_color(skin: &SkinMesh) -> Option<Vec<Part>> {
                     total += area;
                 }
             }
-            (sum / f32::max(total, f32::MIN_POSITIVE), *area)
+            sum / f32::max(total, f32::MIN_POSITIVE)
         })
         .collect();
-    let part = |(number, (color, area)): (usize, &(Vec3, f32))| {
-        // Half the way to the nearest other colour: no triangle is two regions'.
-        let apart = centers
-            .iter()
-            .filter(|(other, _)| other != color)
-            .map(|(other, _)| other.distance(*color))
-            .fold(2.0, f32::min);
-        Part {
+    // Every triangle to the colour nearest to it, so that none stays bare between two kinds.
+    let mut parts: Vec<Part> = Vec::with_capacity(centers.len());
+    for (number, color) in centers.iter().enumerate() {
+        let others = centers.iter().filter(|other| *other != color);
+        let select = Select::Nearest(color.to_array(), others.map(|c| c.to_array()).collect());
+        let taken = select_triangles(&select, skin, &[], 1.0);
+        let area = skin.areas.iter().zip(&taken).filter(|(_, taken)| **taken);
+        parts.push(Part {
             name: format!("colour {number}"),
-            select: Select::Color(color.to_array(), 0.499 * apart),
-            area: *area,
+            select,
+            area: area.map(|(area, _)| area).sum(),
             color: srgb(*color),
-        }
-    };
-    Some(centers.iter().enumerate().map(part).collect())
+        });
+    }
+    Some(parts)
 }
 
 fn by_joint(skin: &SkinMesh, joints: &[String]) -> Option<Vec<Part>> {

@@ -12,6 +12,13 @@ const SMOOTHING: usize = 8;
 /// Lay where no guide says otherwise: towards the ground and the tail (glTF axes).
 pub const DEFAULT_LAY: Vec3 = Vec3::new(0.0, -0.6, -0.8);
 
+/// Sine of the angle between the default lay and the skin's normal below which feathers turn outwards.
+const PARTED: f32 = 0.9;
+/// Distance from the middle at which they do so wholly, over the skin's diagonal.
+const BESIDE: f32 = 0.05;
+/// Reach of the smoothing of a lay without guides, over the skin's diagonal.
+const EVEN: f32 = 0.04;
+
 /// One short piece of a guide.
 struct Stroke {
     middle: Vec3,
@@ -35,8 +42,16 @@ pub fn lay_field<'a>(
     unit: f32,
 ) -> Vec<Vec3> {
     let strokes = strokes(skin, guides, unit);
-    let default = |normal: Vec3| {
-        tangent(DEFAULT_LAY, normal)
+    let (low, high) = extent(skin);
+    let middle = 0.5 * (low.x + high.x);
+    let side = (BESIDE * (high - low).length()).max(f32::MIN_POSITIVE);
+    let default = |node: Vec3, normal: Vec3| {
+        let flat = DEFAULT_LAY - normal * DEFAULT_LAY.dot(normal);
+        // Where the skin faces the lay (the front edge of a wing) feathers would point away from a line, and leave it bare: there
+        // they turn outwards, as marginal coverts do. Not so on the forehead, where the line is no longer than a point.
+        let out = Vec3::X * ((node.x - middle) / side).clamp(-1.0, 1.0);
+        let turned = flat + out * (PARTED - flat.length()).max(0.0);
+        tangent(turned, normal)
             .or_else(|| tangent(Vec3::NEG_Y, normal))
             .unwrap_or_else(|| normal.any_orthonormal_vector())
     };
@@ -48,7 +63,13 @@ pub fn lay_field<'a>(
     )
     .ok();
     let Some(tree) = tree.filter(|_| !strokes.is_empty()) else {
-        return skin.normals.iter().map(|&normal| default(normal)).collect();
+        let nodes = skin.nodes.iter().zip(&skin.normals);
+        let mut field: Vec<Vec3> = nodes
+            .map(|(node, normal)| default(*node, *normal))
+            .collect();
+        let reach = EVEN * (high - low).length() / skin.mean_edge().max(f32::MIN_POSITIVE);
+        smooth(skin, &mut field, (reach * reach).clamp(8.0, 400.0) as usize);
+        return field;
     };
     let near = (skin.mean_edge() * 0.5).powi(3);
     let nearest = NonZero::new(NEAREST.min(strokes.len())).unwrap_or(NonZero::<usize>::MIN);
@@ -72,16 +93,25 @@ pub fn lay_field<'a>(
                 };
                 sum + carried * (facing * facing / (item.distance.max(0.0).powf(1.5) + near))
             });
-            tangent(sum, normal).unwrap_or_else(|| default(normal))
+            tangent(sum, normal).unwrap_or_else(|| default(*node, normal))
         })
         .collect();
-    smooth(skin, &mut field);
+    smooth(skin, &mut field, SMOOTHING);
     field
 }
 
-fn smooth(skin: &SkinMesh, field: &mut Vec<Vec3>) {
+/// The box around the skin.
+fn extent(skin: &SkinMesh) -> (Vec3, Vec3) {
+    let nodes = || skin.nodes.iter().copied();
+    (
+        nodes().fold(Vec3::INFINITY, Vec3::min),
+        nodes().fold(Vec3::NEG_INFINITY, Vec3::max),
+    )
+}
+
+fn smooth(skin: &SkinMesh, field: &mut Vec<Vec3>, passes: usize) {
     let mut next = field.clone();
-    for _ in 0..SMOOTHING {
+    for _ in 0..passes {
         for (node, value) in next.iter_mut().enumerate() {
             let ring = skin.neighbours(node);
             let mean = ring

@@ -21,15 +21,16 @@ pub fn select_triangles(
         }),
         Select::Color(color, distance) => {
             let wanted = Vec3::from_array(*color);
-            each(&|t| {
-                let corners = skin.triangles[t as usize];
-                let sum = corners
-                    .iter()
-                    .filter_map(|&v| skin.colors.get(v as usize))
-                    .fold(Vec3::ZERO, |sum, c| sum + Vec3::from_array(*c));
-                !skin.colors.is_empty() && (sum / 3.0).distance(wanted) <= *distance
-            })
+            each(&|t| mean_color(skin, t).is_some_and(|mean| mean.distance(wanted) <= *distance))
         }
+        Select::Nearest(color, others) => each(&|t| {
+            mean_color(skin, t).is_some_and(|mean| {
+                let away = |color: &[f32; 3]| mean.distance_squared(Vec3::from_array(*color));
+                // The smaller colour takes what lies between two, so that none is two regions'.
+                let nearer = |other| (away(color), color) < (away(other), other);
+                others.iter().all(nearer)
+            })
+        }),
         Select::Joints(names) => {
             let chosen: Vec<bool> = joints.iter().map(|joint| names.contains(joint)).collect();
             each(&|t| {
@@ -64,6 +65,17 @@ pub fn select_triangles(
             .map(|taken| !taken)
             .collect(),
     }
+}
+
+/// Mean colour of a triangle's corners, linear RGB; `None` where the skin has none.
+fn mean_color(skin: &SkinMesh, triangle: u32) -> Option<Vec3> {
+    let corners = skin.triangles.get(triangle as usize)?;
+    let mut sum = Vec3::ZERO;
+    for vertex in corners {
+        sum += Vec3::from_array(*skin.colors.get(*vertex as usize)?);
+    }
+    let mean = sum / 3.0;
+    mean.is_finite().then_some(mean)
 }
 
 fn combine(

@@ -109,6 +109,11 @@ impl Check<'_> {
                 self.finite(format!("{field}.Color"), color)?;
                 self.within(format!("{field}.Color.1"), *distance, 0.0, 10.0)
             }
+            Select::Nearest(color, others) => {
+                self.finite(format!("{field}.Nearest"), color)?;
+                let other = |color: &[f32; 3]| self.finite(format!("{field}.Nearest.1"), color);
+                others.iter().try_for_each(other)
+            }
             Select::Within(low, high) => {
                 self.finite(format!("{field}.Within"), low)?;
                 self.finite(format!("{field}.Within"), high)

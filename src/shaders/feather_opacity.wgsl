@@ -42,6 +42,9 @@ fn leaves_hole(in: FeatherVertex, opacity: f32, aspect: f32) -> bool {
 fn sample_bits(in: FeatherVertex, opacity: f32) -> u32 {
     let card = in.card.w >> 3u;
     let threshold = select(0.5, pattern_threshold(in.position.xy, card), settings.dither != 0u);
-    return sample_mask(opacity, threshold, hash(card) >> 5u, #{FEATHER_SAMPLES}u);
+    let pixel = vec2<u32>(in.position.xy);
+    // Other samples in every pixel and for every card, so that no two cards always share theirs.
+    let turn = hash(card ^ hash(pixel.x ^ (pixel.y << 16u))) >> 5u;
+    return sample_mask(opacity, threshold, turn, #{FEATHER_SAMPLES}u);
 }
 #endif

@@ -11,10 +11,10 @@ use bevy::{
     },
     prelude::*,
     render::{
-        RenderPlugin,
+        RenderApp, RenderPlugin,
         diagnostic::RenderDiagnosticsPlugin,
         pipelined_rendering::PipelinedRenderingPlugin,
-        render_resource::{PollType, TextureFormat, TextureUsages},
+        render_resource::{PipelineCache, PollType, TextureFormat, TextureUsages},
         renderer::RenderDevice,
         settings::{RenderCreation, WgpuSettings},
         view::screenshot::{Screenshot, ScreenshotCaptured},
@@ -153,7 +153,14 @@ impl Stage {
         assert!(self.app.should_exit().is_none(), "the renderer stopped");
     }
 
-    /// Frames until every bird is ready or has failed.
+    /// Whether pipelines wait for their shaders, which load beside the frames.
+    fn compiles(&self) -> bool {
+        let render_world = self.app.get_sub_app(RenderApp).unwrap().world();
+        let cache = render_world.resource::<PipelineCache>();
+        cache.waiting_pipelines().next().is_some()
+    }
+
+    /// Frames until every bird is ready or has failed, and is drawn.
     pub fn settle(&mut self) {
         let start = Instant::now();
         loop {
@@ -171,8 +178,12 @@ impl Stage {
             );
             std::thread::sleep(Duration::from_millis(2));
         }
-        for _ in 0..4 {
+        // Mesh, material and pipelines come one after the other.
+        let mut still = 0;
+        while still < 4 {
             self.frame();
+            still = if self.compiles() { 0 } else { still + 1 };
+            assert!(start.elapsed() < Duration::from_secs(120), "no pipelines");
         }
     }
 

@@ -25,8 +25,12 @@ const WIDTH: f32 = 0.09;
 impl Stack {
     /// `count` feathers between the origin and 4 cm behind it.
     pub fn new(stage: &mut Stage, count: usize) -> Self {
-        let server = stage.app.world().resource::<AssetServer>();
-        let feather = server.load("feathers/contour.feather.ron");
+        Self::of(stage, count, "feathers/contour.feather.ron")
+    }
+
+    /// The same of feathers from a file.
+    pub fn of(stage: &mut Stage, count: usize, file: &'static str) -> Self {
+        let feather = stage.app.world().resource::<AssetServer>().load(file);
         Self {
             cards: Vec::new(),
             shown: None,

@@ -4,6 +4,7 @@ use super::app::{SIZE, Stage};
 use bevy::{
     asset::RenderAssetUsages,
     camera::ScalingMode,
+    diagnostic::DiagnosticsStore,
     light::{EnvironmentMapLight, GlobalAmbientLight},
     pbr::{Material, MaterialPlugin},
     prelude::*,
@@ -104,6 +105,23 @@ pub fn frames(stage: &mut Stage, count: u32) {
     for _ in 0..count {
         stage.frame();
     }
+}
+
+/// Cards of each class that the last camera saw, in the order of [`CARD_COUNTERS`].
+pub fn counts(stage: &mut Stage) -> [u64; CARD_COUNTERS.len()] {
+    // The numbers come back a few frames late.
+    frames(stage, 4);
+    let store = stage.app.world().resource::<DiagnosticsStore>();
+    CARD_COUNTERS.map(|class| {
+        let path = format!("render/feather_cards_{class}");
+        let found = store.iter().find(|d| d.path().as_str() == path);
+        found.and_then(|d| d.value()).unwrap_or(0.0) as u64
+    })
+}
+
+/// Cards that the last camera culled.
+pub fn culled(stage: &mut Stage) -> u64 {
+    counts(stage)[0]
 }
 
 /// Mean of all channels.
