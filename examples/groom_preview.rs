@@ -23,8 +23,8 @@ use bevy::{
 use bevy_plumage::{
     anatomy::AnatomyPlugin,
     groom::{
-        GroomPlugin, Plumage, PlumageCards, PlumageState,
-        crossing::{Overlaps, overlaps},
+        Groom, GroomPlugin, Plumage, PlumageCards, PlumageState,
+        crossing::{Overlap, Overlaps, overlaps},
     },
 };
 use clap::Parser;
@@ -137,6 +137,7 @@ fn crossings(app: &mut App) -> Vec<f32> {
     };
     let mut last = measure(app.world_mut());
     print("as posed", &last);
+    by_kind(app.world_mut(), &last);
     let (mut pairs, mut deep) = (0, 0);
     for step in 0..10 {
         let time = 0.5 * step as f32;
@@ -160,6 +161,7 @@ fn crossings(app: &mut App) -> Vec<f32> {
         pairs += last.list.len();
         deep += last.deeper(DEEP);
     }
+    by_kind(app.world_mut(), &last);
     println!(
         "idle: {:.2} % of {pairs} pairs deeper than 0.3 mm",
         100.0 * deep as f32 / pairs.max(1) as f32
@@ -172,6 +174,32 @@ fn crossings(app: &mut App) -> Vec<f32> {
         }
     }
     depths
+}
+
+/// Prints which feathers cross: those of rows (wing, tail), those of regions, or one with the other.
+fn by_kind(world: &mut World, found: &Overlaps) {
+    let mut query = world.query::<&PlumageCards>();
+    let Some(cards) = query.iter(world).next() else {
+        return;
+    };
+    let grooms = world.resource::<Assets<Groom>>();
+    let regions = grooms
+        .get(&cards.groom)
+        .map_or(0, |groom| groom.regions.len());
+    let in_row = |card: u32| usize::from(cards.cards[card as usize].region) >= regions;
+    for (kind, rows) in [("regions", 0), ("rows and regions", 1), ("rows", 2)] {
+        let of_kind = |pair: &&Overlap| {
+            usize::from(in_row(pair.upper)) + usize::from(in_row(pair.lower)) == rows
+        };
+        let pairs = found.list.iter().filter(of_kind).copied().collect();
+        let pairs = Overlaps { list: pairs };
+        println!(
+            "  {kind}: {} pairs, {:.2} % deeper than 0.3 mm; 1 % deeper than {:.2} mm",
+            pairs.list.len(),
+            100.0 * pairs.share(DEEP),
+            1.0e3 * pairs.quantile(0.01)
+        );
+    }
 }
 
 /// The pairs of neighbours as they stand: those rooted within a length and a width of each other.
