@@ -57,6 +57,12 @@ convert "$out"/fur_sun_{0,60,120}.png +append "$out/fur_sun_a.png"
 convert "$out"/fur_sun_{180,240,300}.png +append "$out/fur_sun_b.png"
 convert "$out"/fur_sun_{a,b}.png -append "$out/fur_lights.png"
 rm "$out"/fur_sun_*.png "$out"/stats/fur_sun_*.json
+# Five distances: the tiers of the volume.
+for distance in 1 2 4 8 16; do
+    show fur "fur_at_$distance" --size 200x150 --mode volume --distance "$distance"
+done
+convert "$out"/fur_at_{1,2,4,8,16}.png +append "$out/fur_dolly.png"
+rm "$out"/fur_at_*.png "$out"/stats/fur_at_*.json
 show chick chick --size 480x480 --time 0 --transparency hashed
 show chick chick_moult --size 480x360 --camera closeup --time 0 --transparency hashed --density 0.3 --ruffle 1
 show parrot parrot_ruffled --size 640x480 --camera closeup --distance 2.5 --tilt -55 --time 0 --ruffle 1 --transparency hashed
