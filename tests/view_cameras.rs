@@ -18,7 +18,7 @@ use bevy::{
 use bevy_plumage::{groom::PlumageOutput, prelude::*};
 use common::{
     app::{SIZE, Stage},
-    view::{darken, frames, mean, orthographic, rms, spawn_patch},
+    view::{counts, darken, frames, mean, orthographic, rms, spawn_patch},
 };
 
 fn stage() -> Option<(Stage, Entity)> {
@@ -205,19 +205,21 @@ fn orthographic_cameras_see_like_long_lenses() {
         let place = Transform::from_xyz(0.0, 0.3 * distance, distance);
         let mut eye = stage.app.world_mut().entity_mut(camera);
         eye.insert((projection, place.looking_at(Vec3::ZERO, Vec3::Y)));
-        frames(&mut stage, 3);
-        stage.picture()
+        let classes = counts(&mut stage);
+        (stage.picture(), classes)
     };
-    let flat = seen(orthographic(), 0.5);
+    // So near that a lens would show barbs.
+    let (flat, near) = seen(orthographic(), 0.1);
     let away = 40.0 * 1.09_f32.sqrt();
     let lens = PerspectiveProjection {
         fov: 2.0 * (0.06 / away).atan(),
         near: 10.0,
         ..default()
     };
-    let long = seen(Projection::Perspective(lens), 40.0);
+    let (long, far) = seen(Projection::Perspective(lens), 40.0);
     let off = rms(&flat, &long) / mean(&long);
-    println!("apart by {off} of {}", mean(&long));
+    println!("apart by {off} of {}, {near:?}, {far:?}", mean(&long));
+    assert_eq!(near, far, "classes of cards");
     assert!(mean(&long) > 0.05 && off < 0.1, "{off}");
 }
 
