@@ -16,7 +16,7 @@ struct LodParams {
 const NO_SKIN: u32 = 0xffffffffu;
 // A pixel's Gaussian: half a pixel of standard deviation along each screen axis.
 const PIXEL_SIGMA: f32 = 0.5;
-// Reach of wind and ruffle together: half the largest angle of a tip, over the length.
+// Room beside the reach of a card from its root, over its length. Turns about the root, by wind or ruffle, stay within that reach.
 const BENDING: f32 = 0.25;
 // A footprint longer than this many times its width counts as this long.
 const MAX_ASPECT: f32 = 16.0;
@@ -73,7 +73,6 @@ fn classify_card(index: u32) -> u32 {
     let stretch = max(length(world_from_local[0].xyz), max(length(world_from_local[1].xyz), length(world_from_local[2].xyz)));
     let radius = card.radius * stretch;
     // The tip may ride on other joints than the root, which alone is skinned here: cull by what the feather can reach from it.
-    // Wind and ruffle carry it a little farther.
     let reach = (1.5 * (distance(card.center, card.root) + card.radius) + BENDING * card.length) * stretch;
     if (outside((world_from_local * vec4(card.root, 1.0)).xyz, reach)) {
         return data::CARD_CULLED;
