@@ -1,72 +1,102 @@
-# Every target does its own set-up. One build profile serves all of them, so that Bevy is compiled once.
+# Every target installs what it needs (`setup`). All share one build profile, so that Bevy is compiled once.
 CARGO ?= cargo
 ARGS ?=
 
-.PHONY: help parrot eagle single fur chick inspector tour test gallery charts bench docs birds feathers tables setup
+.PHONY: help minimal parrot eagle flock wind single fur chick inspector tour test golden gallery charts bench gpu-cost judge docs birds feathers tables setup
 
 help:
-	@echo "make parrot | eagle | single   show the example (off screen without a display); ARGS='--camera closeup' passes options"
-	@echo "make fur | chick               fur on a bent cylinder; a young bird in its down"
-	@echo "make inspector                 a parrot with every panel of the editor"
-	@echo "make tour                      its pictures in docs/inspector_tour, by a mouse in a virtual window"
-	@echo "make test                      format, lints, tests, documentation, shaders"
-	@echo "make gallery                   all pictures of the README"
-	@echo "make charts | bench | docs     docs/charts; benchmarks; API documentation"
-	@echo "make birds | feathers | tables bake the assets anew"
+	@echo "Examples: a window, or off screen without a display; ARGS='--camera closeup' passes options, ARGS=--help lists them."
+	@echo "  make parrot | eagle | flock      two parrots; a golden eagle; twenty equal parrots"
+	@echo "  make wind                        a parrot in changing wind, ruffling its feathers"
+	@echo "  make single                      one feather"
+	@echo "  make fur | chick                 fur on a bent cylinder; a young bird in its down"
+	@echo "  make inspector                   a parrot with the editor's panels"
+	@echo "  make minimal                     the smallest app (needs a display)"
+	@echo "Checks:"
+	@echo "  make test                        format, lints, tests, documentation, shaders"
+	@echo "  make golden                      writes the tests' reference pictures anew, where a change is meant"
+	@echo "  make bench                       benchmarks of the evaluators"
+	@echo "  make gpu-cost                    what a GPU's compiler makes of every pipeline, without a GPU"
+	@echo "  make judge                       light of a vane by Mitsuba 3, in a Python environment of its own"
+	@echo "Documentation:"
+	@echo "  make docs                        API documentation"
+	@echo "  make gallery                     every picture of the README, into docs"
+	@echo "  make charts                      accuracy against cost, into docs/charts"
+	@echo "  make tour                        pictures of the inspector, driven by a mouse in a virtual window"
+	@echo "Assets:"
+	@echo "  make birds | feathers | tables   regenerate the assets from their programs"
 
 setup:
 	@./scripts/setup.sh
 
-parrot eagle fur chick: setup
+parrot eagle flock wind fur chick: setup
 	$(CARGO) run --example $@ -- $(ARGS)
+
+minimal: setup
+	$(CARGO) run --example $@
 
 single: setup
 	$(CARGO) run --example single_feather -- $(ARGS)
 
 inspector: setup
-	$(CARGO) run --features inspector,extract --example inspector -- $(ARGS)
+	$(CARGO) run --features inspector,photo --example inspector -- $(ARGS)
 
 tour:
 	@./scripts/setup.sh pictures window
-	$(CARGO) build --features inspector,extract --example inspector
+	$(CARGO) build --features inspector,photo --example inspector
 	./scripts/tour.sh 1
 	./scripts/tour.sh 2
 
 test: setup
-	$(CARGO) fmt --check
+	$(CARGO) fmt --all --check
 	@if $(CARGO) tree --all-features -d 2>/dev/null | grep -E '^(egui|wgpu|naga|bevy) v'; then echo "more than one egui, wgpu, naga or bevy"; exit 1; fi
 	./scripts/one_egui.sh
-	$(CARGO) clippy --all-targets -- -D warnings
-	$(CARGO) clippy --all-targets --all-features -- -D warnings
-	$(CARGO) test --all-features
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --lib --examples --all-features
+	$(CARGO) clippy --workspace --all-targets --all-features -- -D warnings
+	$(CARGO) test --workspace --all-features
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --lib --examples --all-features
+
+golden: setup
+	PLUMAGE_GOLDEN=write $(CARGO) test --workspace --all-features --test view --test undercoat -- golden:: render::
 
 gallery:
 	@./scripts/setup.sh pictures
-	$(CARGO) build --examples --all-features
+	$(CARGO) build --examples --features inspector,photo
 	./scripts/gallery.sh
 
 charts: setup
-	$(CARGO) run --example scattering_charts
-	$(CARGO) run --example transparency_chart
-	$(CARGO) run --config 'profile.dev.opt-level=3' --example query_charts
-	$(CARGO) run --example parrot -- --headless --size 240x135 --time 0 --camera closeup --compare docs/charts/parrot_closeup.json
-	$(CARGO) run --example parrot -- --headless --size 1280x720 --time 0 --camera hero --transparency hashed --compare docs/charts/parrot_hero.json
-	$(CARGO) run --config 'profile.dev.opt-level=3' --features extract --example extract_charts
-	$(CARGO) run --config 'profile.dev.opt-level=3' --example down_charts
-	$(CARGO) run --config 'profile.dev.opt-level=3' --example fur_charts
+	$(CARGO) run -p plumage_tools --bin scattering_charts
+	$(CARGO) run -p plumage_tools --bin transparency_chart
+	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin query_charts
+	$(CARGO) run --features comparison --example parrot -- --headless --size 240x135 --time 0 --camera closeup --compare docs/charts/parrot_closeup.json
+	$(CARGO) run --features comparison --example parrot -- --headless --size 1280x720 --time 0 --camera hero --transparency hashed --compare docs/charts/parrot_hero.json
+	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin photo_charts
+	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin undercoat_charts
+	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin fur_charts
+
+# Needs python3 with venv, and LLVM 17 or later (libllvm19 of Debian); DRJIT_LIBLLVM_PATH names it where it is not found.
+JUDGED = crates/plumage_reference/data/judged_vanes.csv
+judge: setup
+	python3 -m venv judge/.venv
+	judge/.venv/bin/pip install --quiet --requirement judge/requirements.txt
+	DRJIT_LIBLLVM_PATH="$${DRJIT_LIBLLVM_PATH:-$$(ls /usr/lib/*/libLLVM-1[7-9].so /usr/lib/*/libLLVM.so.* 2>/dev/null | head -1)}" \
+		judge/.venv/bin/python judge/judge.py $(JUDGED) $(ARGS)
+	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin vane_judge -- $(JUDGED)
 
 bench: setup
-	$(CARGO) bench --profile dev --config 'profile.dev.opt-level=3'
+	$(CARGO) bench -p plumage_benches --profile dev --config 'profile.dev.opt-level=3'
+
+gpu-cost:
+	@./scripts/setup.sh radeon
+	$(CARGO) run -p plumage_tools --bin gpu_cost -- --save $(ARGS)
 
 docs: setup
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --lib --examples --all-features
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --lib --examples --all-features
 
 birds:
-	$(CARGO) run --example bake_birds
+	$(CARGO) run -p plumage_tools --bin bake_birds
 
 feathers:
-	$(CARGO) run --example bake_feathers
+	$(CARGO) run -p plumage_tools --bin bake_feathers
 
 tables:
-	$(CARGO) run --example bake_tables
+	$(CARGO) run -p plumage_tools --bin bake_tables

@@ -1,19 +1,9 @@
 //! Time of one feather that fills a third of a 1920 x 1080 picture, under an environment map: prefiltered, and with samples.
 #![allow(missing_docs)]
 
-#[allow(dead_code)]
-#[path = "../tests/common/app.rs"]
-mod app;
-#[allow(dead_code)]
-#[path = "../tests/common/feather.rs"]
-mod feather;
-#[allow(dead_code)]
-#[path = "../tests/common/gpu.rs"]
-mod gpu;
-
-use app::Stage;
 use bevy::{diagnostic::DiagnosticsStore, prelude::*};
 use bevy_plumage::prelude::*;
+use plumage_tests::{app::Stage, feather_card as feather, gpu};
 use std::time::{Duration, Instant};
 
 fn main() {

@@ -1,15 +1,12 @@
 //! Time of one fibre and one light by each evaluator, on the CPU (criterion) and on the GPU (timestamps of a compute pass).
 #![allow(missing_docs)]
 
-use bevy_plumage::scattering::*;
+use bevy_plumage::maths::scattering::*;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use plumage_tests::gpu;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::{borrow::Cow, hint::black_box};
-
-#[allow(dead_code)]
-#[path = "../tests/common/gpu.rs"]
-mod gpu;
 
 /// Nodes of the quadrature over h.
 const NODES: usize = 64;
@@ -37,7 +34,7 @@ fn directions(count: usize) -> Vec<[f32; 3]> {
 /// K of one light by the midpoint rule over h: attenuation, exit angle and a wrapped Gaussian per lobe and node.
 fn quadrature(
     p: &FibreParameters<f32>,
-    colour: &FibreColour<f32>,
+    color: &FibreColor<f32>,
     o: [f32; 3],
     i: [f32; 3],
 ) -> [f32; 3] {
@@ -60,8 +57,8 @@ fn quadrature(
             let x = x - std::f32::consts::TAU * (x / std::f32::consts::TAU).round();
             let d = (-0.5 * (x / beta).powi(2)).exp() / (beta * 2.506_628_3);
             for (ch, sum) in sum.iter_mut().enumerate() {
-                let core = Some((p.core, colour.core[ch]));
-                let a = attenuation(&c, core, (0.0, 0.0), colour.absorption[ch]);
+                let core = Some((p.core, color.core[ch]));
+                let a = attenuation(&c, core, (0.0, 0.0), color.absorption[ch]);
                 *sum += a[lobe] * d * m[lobe] / NODES as f32;
             }
         }
@@ -71,7 +68,7 @@ fn quadrature(
 
 fn lights(c: &mut Criterion) {
     let table = FibreTable::build(&fibre());
-    let [a, b, d] = table.pack_parameters();
+    let [a, b, d, ..] = table.pack_parameters();
     let p = fibre_parameters(a, b, d);
     let o = [0.3, 0.4, 0.866_025_4_f32];
     let row = table
@@ -90,8 +87,8 @@ fn lights(c: &mut Criterion) {
             );
         });
     };
-    let colour = fibre_colour(&p, albedo);
-    bench("quadrature, 64 nodes", &|i| quadrature(&p, &colour, o, i));
+    let color = fibre_color(&p, albedo);
+    bench("quadrature, 64 nodes", &|i| quadrature(&p, &color, o, i));
     let full = fibre_shading(&p, &row, albedo, o, 0.0, 8);
     bench("series, 8 terms", &|i| fibre_evaluate(&full, i));
     let three = fibre_shading(&p, &row, albedo, o, 0.0, MEAN_TERMS);
@@ -158,8 +155,8 @@ fn row_at(thread: u32) -> scattering::FibreRow {
     var low: array<vec4<f32>, 13>;
     var high: array<vec4<f32>, 13>;
     for (var k = 0u; k < 13u; k++) {
-        low[k] = input[3u + place.index * 13u + k];
-        high[k] = input[16u + place.index * 13u + k];
+        low[k] = input[7u + place.index * 13u + k];
+        high[k] = input[20u + place.index * 13u + k];
     }
     return scattering::fibre_row_mix(low, high, place.fraction);
 }
@@ -171,7 +168,11 @@ fn eye_of(thread: u32) -> vec3<f32> {
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let p = scattering::fibre_parameters(input[0], input[1], input[2]);
+    var packed: array<vec4<f32>, 7>;
+    for (var k = 0u; k < 7u; k++) {
+        packed[k] = input[k];
+    }
+    let p = scattering::fibre_parameters(packed);
     let row = row_at(id.x);
     let albedo = vec3<f32>(0.6, 0.3, 0.1);
     let eye = eye_of(id.x);
@@ -193,17 +194,18 @@ fn gauss(x_in: f32, beta: f32) -> f32 {
 }
 
 fn quadrature(p: scattering::FibreParameters, albedo: vec3<f32>, o: vec3<f32>, light: vec3<f32>) -> vec3<f32> {
-    let colour = scattering::fibre_colour(p, albedo);
+    let color = scattering::fibre_color(p, albedo);
     let cos_o = length(o.yz);
     let sin_square = 1.0 - cos_o * cos_o;
     let inner = cos_o / sqrt(p.eta * p.eta - sin_square);
     let path = 2.0 / sqrt(1.0 - sin_square / (p.eta * p.eta));
     let phi = atan2(light.y, light.z) - atan2(o.y, o.z);
     let i = vec2<f32>(light.x, length(light.yz));
-    let b = p.longitudinal_roughness;
     let e = vec2<f32>(o.x, cos_o);
-    let m = vec4<f32>(scattering::longitudinal(e, i, b), scattering::longitudinal(e, i, 0.5 * b),
-        scattering::longitudinal(e, i, 2.0 * b), scattering::longitudinal(e, i, 0.9 * b));
+    var m: vec4<f32>;
+    for (var k = 0u; k < 4u; k++) {
+        m[k] = scattering::longitudinal_with(e, i, p.inverse[k], p.scale[k]);
+    }
     var sum = vec3<f32>(0.0);
     for (var k = 0u; k < 64u; k++) {
         let h = 2.0 * (f32(k) + 0.5) / 64.0 - 1.0;
@@ -215,9 +217,9 @@ fn quadrature(p: scattering::FibreParameters, albedo: vec3<f32>, o: vec3<f32>, l
         sum += f * gauss(phi - 2.0 * gamma, p.azimuthal_roughness) * m.x;
         if abs(offset) < p.core {
             let angle = 2.0 * (gamma - gamma_t + asin(offset / p.core));
-            sum += enter * colour.core / (1.0 - f * colour.core) * gauss(phi - angle, p.azimuthal_roughness) * m.w;
+            sum += enter * color.core / (1.0 - f * color.core) * gauss(phi - angle, p.azimuthal_roughness) * m.w;
         } else {
-            let t = exp(-colour.absorption * path * sqrt(1.0 - offset * offset));
+            let t = exp(-color.absorption * path * sqrt(1.0 - offset * offset));
             sum += enter * t * gauss(phi - 2.0 * (gamma - gamma_t) + 3.1415927, p.azimuthal_roughness) * m.y;
             sum += enter * f * t * t / (1.0 - f * t) * gauss(phi - 2.0 * gamma + 4.0 * gamma_t, p.azimuthal_roughness) * m.z;
         }

@@ -1,7 +1,8 @@
-//! Stand-alone fur: a bent cylinder, or the skinned mesh of a glTF file.
+//! Fur without feathers: a bent cylinder, or the skinned mesh of a glTF file.
 //!
 //! `cargo run --example fur -- --mode hybrid`: single hairs (`explicit`), the marched volume (`volume`), both (`hybrid`), or shells with
-//! precomputed transfer (`shells`). `--mesh path/to/model.glb --clip 1` puts it on a model of your own, `--bench` measures.
+//! precomputed transfer (`shells`). `--mesh path/to/model.glb --clip 1` puts it on a model of your own, `--bench` measures. F1 lists
+//! the keys.
 
 mod helper;
 
@@ -16,19 +17,20 @@ use bevy::{
     world_serialization::{WorldAssetRoot, WorldInstanceReady},
 };
 use bevy_plumage::prelude::*;
-use helper::{Args, FurMode, camera::Shots, scene::Idle};
+use helper::{Args, args::FurMode, camera::Shots, scene::Idle};
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 /// Largest side of the model in the picture, metres.
 const SIZE: f32 = 0.6;
 
-fn main() {
+fn main() -> AppExit {
     helper::run("fur", |app| {
-        app.insert_resource(Shots::around_model())
+        app.add_plugins(PlumagePlugins)
+            .insert_resource(Shots::around_model())
             .add_systems(Startup, setup)
             .add_systems(Update, frame)
             .add_observer(arrived);
-    });
+    })
 }
 
 /// A model that has arrived and is not framed yet: frames waited.
@@ -59,8 +61,8 @@ fn coat(assets: &AssetServer, args: &Args, scale: f32) -> Undercoat {
 
 /// The hairs are those of the coat: longer ones, and the lighter for it.
 fn strands(args: &Args) -> Option<GuardStrands> {
-    // Over a mesh they take its colours.
-    let (colour, tip_colour) = if args.mesh.is_some() {
+    // Over a mesh they take its colors.
+    let (color, tip_color) = if args.mesh.is_some() {
         ([0.66, 0.62, 0.58], [1.0, 0.98, 0.95])
     } else {
         ([0.52, 0.42, 0.34], [0.93, 0.88, 0.79])
@@ -68,8 +70,8 @@ fn strands(args: &Args) -> Option<GuardStrands> {
     let hairs = GuardStrands {
         bend: 0.8,
         gravity: 0.1,
-        colour,
-        tip_colour,
+        color,
+        tip_color,
         ..default()
     };
     match args.mode {
@@ -78,14 +80,16 @@ fn strands(args: &Args) -> Option<GuardStrands> {
         FurMode::Explicit => Some(GuardStrands {
             density: 160.0,
             limit: 120_000,
-            length_mm: (11.0, 0.3),
+            length_mm: 11.0,
+            length_spread: 0.3,
             radius_um: 60.0,
             fade: 0.4,
             ..hairs
         }),
         FurMode::Hybrid => Some(GuardStrands {
             density: 40.0,
-            length_mm: (if args.mesh.is_some() { 22.0 } else { 16.0 }, 0.3),
+            length_mm: if args.mesh.is_some() { 22.0 } else { 16.0 },
+            length_spread: 0.3,
             radius_um: 60.0,
             fade: 0.6,
             ..hairs
@@ -101,7 +105,7 @@ fn setup(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    settings.view = args.fur_view.into();
+    settings.view = args.fur_view;
     let Some(path) = &args.mesh else {
         let mut cylinder = commands.spawn((
             Mesh3d(meshes.add(bent_cylinder(0.055, 0.16, 64, 48))),

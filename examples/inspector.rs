@@ -1,4 +1,4 @@
-//! A parrot with every panel of the inspector: `make inspector`. Headless, the panels are drawn into the picture.
+//! A parrot with every panel of the inspector: `make inspector`. Off screen, the panels are drawn into the picture. F1 lists the keys.
 
 mod helper;
 
@@ -14,15 +14,14 @@ use bevy_egui::{
     EguiContext, EguiContexts, EguiGlobalSettings, EguiPrimaryContextPass, EguiTextureHandle,
     PrimaryEguiContext, egui,
 };
-use bevy_plumage::{
-    inspector::{Document, Inspector, InspectorSystems, PlumageInspectorPlugin},
-    prelude::*,
-};
+use bevy_plumage::inspector::{Document, Inspector, InspectorSystems, PlumageInspectorPlugin};
+use bevy_plumage::prelude::*;
 use clap::Parser;
 use helper::{
     Args,
-    camera::{Framing, OffScreen, Shots},
-    scene,
+    camera::{OffScreen, Shots, shot},
+    help::Help,
+    scene::{self, Perch},
 };
 
 /// Height of the bird's picture with `--lean`.
@@ -30,31 +29,39 @@ const LEAN_HEIGHT: u32 = 300;
 /// Frames that it is drawn after a change.
 const AWAKE: u32 = 2;
 
-fn main() {
+const SHOTS: Shots = Shots {
+    hero: shot([0.0; 3], [1.5, 0.4, 1.7], 22.0),
+    closeup: shot([0.0; 3], [0.3, 0.2, 0.5], 22.0),
+    macro_: shot([0.0; 3], [0.1, 0.1, 0.25], 22.0),
+    full: shot([0.0; 3], [2.2, 0.3, 0.6], 22.0),
+    back: shot([0.0; 3], [-0.9, 0.6, -2.0], 22.0),
+    far: shot([0.0; 3], [3.9, 1.1, 5.2], 22.0),
+};
+
+/// Keys of the inspector itself.
+const KEYS: [(&str, &str); 4] = [
+    ("F12", "show or hide the panels"),
+    ("Ctrl+Z", "undo; with Shift: redo"),
+    ("Ctrl+S", "save"),
+    ("C", "hold to compare with the file"),
+];
+
+fn main() -> AppExit {
     helper::run("inspector", |app| {
         let args = Args::parse();
-        let shot = |offset: Vec3| Framing {
-            target: Vec3::new(0.0, 0.0, 0.0),
-            eye: offset,
-            fov: 22.0,
-        };
         if args.lean && !args.off_screen() {
             look_seldom(app, args.size);
         }
-        app.insert_resource(Shots {
-            hero: shot(Vec3::new(1.5, 0.4, 1.7)),
-            closeup: shot(Vec3::new(0.3, 0.2, 0.5)),
-            macro_: shot(Vec3::new(0.1, 0.1, 0.25)),
-            full: shot(Vec3::new(2.2, 0.3, 0.6)),
-            back: shot(Vec3::new(-0.9, 0.6, -2.0)),
-            far: shot(Vec3::new(3.9, 1.1, 5.2)),
-        })
-        .add_plugins(PlumageInspectorPlugin {
-            assets: args.assets,
-        })
-        .add_systems(Startup, setup)
-        .add_systems(Update, name_window);
-    });
+        let mut help = app.world_mut().resource_mut::<Help>();
+        help.lines.extend(KEYS);
+        app.insert_resource(SHOTS)
+            .add_plugins(PlumagePlugins)
+            .add_plugins(PlumageInspectorPlugin {
+                assets: args.assets,
+            })
+            .add_systems(Startup, setup)
+            .add_systems(Update, name_window);
+    })
 }
 
 /// Says in the title of the window what no file holds.
@@ -91,33 +98,17 @@ fn name_window(
     }
 }
 
-fn setup(
-    mut commands: Commands,
-    assets: Res<AssetServer>,
-    args: Res<Args>,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-) {
-    let density = args.density.unwrap_or(1.0);
-    let bird = scene::spawn_bird(
-        &mut commands,
-        &assets,
-        &args,
-        "parrot",
-        density,
-        args.seed,
-        0.0,
-        Transform::IDENTITY,
-    );
-    commands.entity(bird).insert(Name::new("parrot"));
-    scene::spawn_perch(
-        &mut commands,
-        &mut meshes,
-        &mut materials,
-        0.022,
-        1.5,
-        Vec3::ZERO,
-    );
+fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
+    commands.spawn((
+        Name::new("parrot"),
+        scene::bird(&assets, "parrot", 0.0),
+        Plumage::new(assets.load("grooms/parrot.groom.ron"))
+            .with_seed(args.seed)
+            .with_density(args.density.unwrap_or(1.0)),
+        args.quality(FeatherTransparency::default()),
+        args.ruffle(),
+    ));
+    commands.spawn(Perch(0.022, 1.5));
 }
 
 /// The camera that draws the bird into a picture, with `--lean`.

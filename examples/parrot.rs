@@ -1,82 +1,48 @@
 //! Two scarlet-macaw-like parrots on a branch, about 6,250 feathers together (the scene of Chen et al. 2026, Fig. 1).
+//!
+//! `cargo run --example parrot -- --camera closeup --time 2.9`; `--help` lists all options, F1 the keys.
 
 mod helper;
 
 use bevy::prelude::*;
+use bevy_plumage::prelude::*;
 use helper::{
     Args,
-    camera::{Framing, Shots},
-    scene,
+    camera::{Shots, shot},
+    scene::{self, Perch},
 };
 
-fn main() {
+const SHOTS: Shots = Shots {
+    hero: shot([0.0, -0.012, -0.08], [1.75, 0.48, 1.75], 17.5),
+    closeup: shot([-0.16, 0.20, 0.05], [-0.07, 0.235, 0.165], 24.0),
+    macro_: shot([-0.16, 0.20, 0.05], [-0.145, 0.206, 0.092], 20.0),
+    full: shot([0.0, -0.02, -0.12], [2.6, 0.3, 0.6], 17.0),
+    back: shot([0.0, -0.03, -0.1], [-0.9, 0.6, -2.3], 19.0),
+    far: shot([0.0, 0.05, -0.05], [3.9, 1.1, 5.2], 27.0),
+};
+
+fn main() -> AppExit {
     helper::run("parrot", |app| {
-        app.insert_resource(Shots {
-            hero: Framing {
-                target: Vec3::new(0.0, -0.012, -0.08),
-                eye: Vec3::new(1.75, 0.48, 1.75),
-                fov: 17.5,
-            },
-            closeup: Framing {
-                target: Vec3::new(-0.16, 0.20, 0.05),
-                eye: Vec3::new(-0.07, 0.235, 0.165),
-                fov: 24.0,
-            },
-            macro_: Framing {
-                target: Vec3::new(-0.16, 0.20, 0.05),
-                eye: Vec3::new(-0.145, 0.206, 0.092),
-                fov: 20.0,
-            },
-            full: Framing {
-                target: Vec3::new(0.0, -0.02, -0.12),
-                eye: Vec3::new(2.6, 0.3, 0.6),
-                fov: 17.0,
-            },
-            back: Framing {
-                target: Vec3::new(0.0, -0.03, -0.1),
-                eye: Vec3::new(-0.9, 0.6, -2.3),
-                fov: 19.0,
-            },
-            far: Framing {
-                target: Vec3::new(0.0, 0.05, -0.05),
-                eye: Vec3::new(3.9, 1.1, 5.2),
-                fov: 27.0,
-            },
-        })
-        .add_systems(Startup, setup);
-    });
+        app.add_plugins(PlumagePlugins)
+            .insert_resource(SHOTS)
+            .add_systems(Startup, setup);
+    })
 }
 
-fn setup(
-    mut commands: Commands,
-    assets: Res<AssetServer>,
-    args: Res<Args>,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-) {
-    let density = args.density.unwrap_or(0.5);
-    let places = [
-        (Vec3::new(-0.17, 0.0, 0.0), 0.25),
-        (Vec3::new(0.17, 0.0, 0.0), -0.2),
-    ];
-    for (i, (place, turn)) in places.into_iter().enumerate() {
-        scene::spawn_bird(
-            &mut commands,
-            &assets,
-            &args,
-            "parrot",
-            density,
-            args.seed + i as u64,
-            1.3 * i as f32,
-            Transform::from_translation(place).with_rotation(Quat::from_rotation_y(turn)),
-        );
+fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
+    let groom = assets.load("grooms/parrot.groom.ron");
+    // Position along the branch, metres; turn to the other bird, radians; start of the idle clip, seconds.
+    let birds = [(-0.17, 0.25, 0.0), (0.17, -0.2, 1.3)];
+    for (i, (x, turn, phase)) in birds.into_iter().enumerate() {
+        commands.spawn((
+            scene::bird(&assets, "parrot", phase),
+            Plumage::new(groom.clone())
+                .with_seed(args.seed + i as u64)
+                .with_density(args.density.unwrap_or(0.5)),
+            args.quality(FeatherTransparency::default()),
+            args.ruffle(),
+            Transform::from_xyz(x, 0.0, 0.0).with_rotation(Quat::from_rotation_y(turn)),
+        ));
     }
-    scene::spawn_perch(
-        &mut commands,
-        &mut meshes,
-        &mut materials,
-        0.022,
-        1.5,
-        Vec3::ZERO,
-    );
+    commands.spawn(Perch(0.022, 1.5));
 }

@@ -1,8 +1,10 @@
-//! One feather on a card of its own: no bird, no groom. `--feather NAME` takes any file of `assets/feathers`;
-//! `--photo FILE` (feature `extract`) makes a feather of a photograph and shows both.
+//! One feather on a card of its own: no bird, no groom.
+//!
+//! `cargo run --example single_feather -- --feather NAME` shows any file of `assets/feathers`; with `--features photo`,
+//! `--photo FILE` makes a feather of a photograph and shows both. `--help` lists all options, F1 the keys.
 
 mod helper;
-#[cfg(feature = "extract")]
+#[cfg(feature = "photo")]
 #[path = "helper/photo.rs"]
 mod photo;
 
@@ -12,25 +14,23 @@ use bevy::{
     mesh::{Indices, PrimitiveTopology},
     prelude::*,
 };
-use bevy_plumage::{
-    groom::{Card, CardGeometry, PlumageCards},
-    prelude::*,
-};
+use bevy_plumage::{Card, CardGeometry, PlumageCards, prelude::*};
 use helper::{
     Args,
     camera::{Framing, Shots},
 };
 
-fn main() {
+fn main() -> AppExit {
     helper::run("single_feather", |app| {
-        #[cfg(feature = "extract")]
+        app.add_plugins(PlumagePlugins);
+        #[cfg(feature = "photo")]
         if photo::setup(app) {
             app.add_systems(Update, spawn);
             return;
         }
-        #[cfg(not(feature = "extract"))]
+        #[cfg(not(feature = "photo"))]
         if app.world().resource::<Args>().photo.is_some() {
-            eprintln!("single_feather: --photo needs `--features extract`");
+            eprintln!("single_feather: --photo needs `--features photo`");
             std::process::exit(2);
         }
         // Half way up; the card leans back a little there.
@@ -45,7 +45,7 @@ fn main() {
         })
         .add_systems(Startup, load)
         .add_systems(Update, spawn);
-    });
+    })
 }
 
 fn shot(target: Vec3, offset: Vec3) -> Framing {
@@ -119,21 +119,15 @@ fn spawn(
         commands.entity(entity).remove::<Waiting>().insert((
             Mesh3d(meshes.add(card_mesh(length, width))),
             quality,
-            Ruffle {
-                amount: args.ruffle,
-                ..default()
-            },
-            PlumageCards {
-                cards: [card(length, width, tint)].into(),
-                geometry: [CardGeometry {
+            args.ruffle(),
+            PlumageCards::new(
+                [card(length, width, tint)],
+                [CardGeometry {
                     first_vertex: 0,
                     vertex_count: 75,
-                }]
-                .into(),
-                groom: Handle::default(),
-                feathers: vec![handle.clone()],
-                owner: entity,
-            },
+                }],
+                vec![handle.clone()],
+            ),
         ));
     }
 }

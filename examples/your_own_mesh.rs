@@ -1,8 +1,8 @@
 //! Feathers on a mesh of your own: any glTF, skinned or not, with no groom file.
 //!
 //! `cargo run --example your_own_mesh -- --mesh path/to/model.glb --clip 1`: the mesh is groomed by what it offers
-//! (`Groom::fallback`: tract numbers, vertex colours, joints, or nothing), its animation number `--clip` plays, and the camera frames
-//! it whatever its scale. A base colour texture becomes vertex colours first, so that the feathers take its colours.
+//! (`Groom::fallback`: tract numbers, vertex colors, joints, or nothing), its animation number `--clip` plays, and the camera frames
+//! it whatever its scale. A base color texture becomes vertex colors first, so that the feathers take its colors. F1 lists the keys.
 
 mod helper;
 
@@ -28,13 +28,14 @@ const FEATHERS: f32 = 0.03;
 /// Share of the picture that the model fills.
 const FILLED: f32 = 0.88;
 
-fn main() {
+fn main() -> AppExit {
     helper::run("your_own_mesh", |app| {
-        app.insert_resource(Shots::around_model())
+        app.add_plugins(PlumagePlugins)
+            .insert_resource(Shots::around_model())
             .add_systems(Startup, setup)
             .add_systems(Update, (dress, report))
             .add_observer(arrived);
-    });
+    })
 }
 
 /// The model, until its scene is there, painted and measured.
@@ -86,7 +87,7 @@ fn report(
     }
 }
 
-/// Once the scene is there: measures it all through its animation; then colours, size, feathers.
+/// Once the scene is there: measures it all through its animation; then colors, size, feathers.
 fn dress(
     mut commands: Commands,
     mut bare: Query<(Entity, &mut Bare, &Idle, &mut Transform)>,
@@ -180,7 +181,7 @@ fn fit(points: &[Vec3], shots: &Shots, (width, height): (u32, u32)) -> Option<(V
     (scale.is_finite() && scale > 0.0).then_some((center, FILLED * scale))
 }
 
-/// Turns a base colour texture into vertex colours.
+/// Turns a base color texture into vertex colors.
 fn paint(mesh: &mut Mesh, material: &mut StandardMaterial, images: &Assets<Image>) {
     let Some(image) = material
         .base_color_texture

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Renders every picture of the README into docs/ and the figures beside them into docs/gallery.json.
+# Renders every picture of the README into docs/ and the figures beside them into docs/stats.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=docs
@@ -8,7 +8,7 @@ show() { # example, picture, arguments...
     local example=$1 picture=$2
     shift 2
     echo "gallery: $picture"
-    ${CARGO:-cargo} run -q --all-features --example "$example" -- --headless --frames 1 --output "$out/$picture.png" --stats "$out/stats/$picture.json" "$@" >/dev/null
+    ${CARGO:-cargo} run -q --features inspector,photo --example "$example" -- --headless --frames 1 --output "$out/$picture.png" --stats "$out/stats/$picture.json" "$@" >/dev/null
 }
 show parrot parrot --size 800x600 --time 0
 show parrot parrot_stretch --size 640x480 --time 2.9
@@ -36,9 +36,9 @@ show single_feather feather_backlight --size 360x480 --backlight --env-samples 6
 show eagle eagle_rim --size 640x480 --time 0 --camera closeup --backlight
 show single_feather feather_barbs --size 640x480 --camera macro --distance 2.5
 photo=$(mktemp -d)/photograph.jpg
-${CARGO:-cargo} run -q --all-features --example extract_charts -- --photograph eagle_secondary "$photo"
+${CARGO:-cargo} run -q -p plumage_tools --bin photo_charts -- --photograph eagle_secondary "$photo"
 echo "gallery: extract_pair"
-${CARGO:-cargo} run -q --all-features --example single_feather -- --headless --frames 1 --size 800x640 --photo "$photo" \
+${CARGO:-cargo} run -q --features inspector,photo --example single_feather -- --headless --frames 1 --size 800x640 --photo "$photo" \
     --output "$out/extract_pair.png" --stats "$out/stats/extract_pair.json" >/dev/null
 rm -r "$(dirname "$photo")"
 for mode in explicit volume hybrid shells; do
@@ -74,5 +74,5 @@ show single_feather feather_angle_40 --size 240x320 --feather macaw_blue --camer
 show single_feather feather_angle_75 --size 240x320 --feather macaw_blue --camera full --turn 75
 show single_feather feather_angle_180 --size 240x320 --feather macaw_blue --camera full --turn 180
 echo "gallery: curves, and the same feather as the plugin draws it"
-${CARGO:-cargo} run -q --all-features --example explicit_curves -- "$out"
+${CARGO:-cargo} run -q -p plumage_tools --bin explicit_curves -- "$out"
 echo "gallery: all pictures are in $out/"

@@ -1,9 +1,17 @@
 #!/bin/sh
-# Builds a crate outside this repository that depends on bevy_plumage by path, next to bevy-inspector-egui, with the README's
-# twenty lines as its main.rs; with the default features and with none. Runs it for a few seconds where there is a display (or
-# xvfb-run). Usage: scripts/guest.sh [folder]; without a folder one is made and removed. CARGO_TARGET_DIR is respected.
+# Packs the crate as for a registry and builds a guest that depends on the packed crate: the README's code as its main.rs, with the
+# assets of the package. Then runs it for a few seconds where there is a display (or xvfb-run).
+#
+#   scripts/guest.sh [--check] [FOLDER]    --check only checks types; without FOLDER one is made and removed
+#
+# CARGO_TARGET_DIR is respected: with that of the repository, what is compiled there for the examples is used again.
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
+verb=build
+if [ "${1:-}" = --check ]; then
+    verb=check
+    shift
+fi
 if [ $# -gt 0 ]; then
     guest=$1
     mkdir -p "$guest"
@@ -11,44 +19,44 @@ else
     guest=$(mktemp -d)
     trap 'rm -rf "$guest"' EXIT
 fi
+cd "$root"
+CARGO_TARGET_DIR="$guest/packed" cargo package --quiet --offline --allow-dirty --no-verify
+packed=$(ls "$guest"/packed/package/*.crate)
+size=$(wc -c < "$packed")
+echo "guest: the package has $size bytes"
+[ "$size" -le 2000000 ] || { echo "guest: more than 2 MB" >&2; exit 1; }
+tar -xzf "$packed" -C "$guest/packed"
+crate=$guest/packed/$(basename "$packed" .crate)
 mkdir -p "$guest/src"
-# The Rust code of the README, as it stands.
-awk '/^```rust/ { inside = 1; next } /^```/ { if (inside) exit } inside' "$root/README.md" > "$guest/src/main.rs"
+# The first Rust code of the README, as it stands.
+awk '/^```rust/ { inside = 1; next } /^```/ { if (inside) exit } inside' "$crate/README.md" > "$guest/src/main.rs"
 grep -q PlumagePlugins "$guest/src/main.rs" || { echo "guest: the README has no code" >&2; exit 1; }
-# The same versions as here, so that what is compiled already can be used again.
+# The same versions, features and profiles as the examples have, so that what is compiled already can be used again.
 cp "$root/Cargo.lock" "$guest/Cargo.lock"
-ln -sfn "$root/assets" "$guest/assets"
-write() {
-    cat > "$guest/Cargo.toml" <<TOML
+ln -sfn "$crate/assets" "$guest/assets"
+cat > "$guest/Cargo.toml" <<TOML
 [package]
 name = "guest"
 version = "0.1.0"
 edition = "2024"
 
-[dependencies]
-bevy = { version = "0.19.1", default-features = false, features = ["3d_bevy_render", "bevy_window", "bevy_winit", "default_app", "multi_threaded", "png", "std", "x11"] }
-bevy_plumage = { path = "$root"$1 }
-bevy-inspector-egui = { version = "0.37", default-features = false }
-
-[profile.dev]
-opt-level = 1
-debug = "line-tables-only"
-
-[profile.dev.package."*"]
-opt-level = 3
-debug = false
-debug-assertions = false
-
 [workspace]
+
+[dependencies]
+bevy_plumage = { path = "$crate" }
+
+[dependencies.bevy]
+version = "0.19.1"
+default-features = false
+features = ["3d_bevy_render", "area_light_luts", "bevy_window", "bevy_winit", "default_app", "keyboard", "mouse", "multi_threaded", "png", "std", "x11"]
+
 TOML
-}
-for features in "" ", default-features = false"; do
-    write "$features"
-    echo "guest: bevy_plumage${features:-, default features}"
-    cargo build --offline --manifest-path "$guest/Cargo.toml"
-    copies=$(cargo tree --offline --manifest-path "$guest/Cargo.toml" --prefix none -i bevy_egui 2>/dev/null | grep -c '^bevy_egui ' || true)
-    [ "$copies" -le 1 ] || { echo "guest: $copies versions of bevy_egui" >&2; exit 1; }
-done
+awk '/^\[/ { inside = /^\[profile/ } inside' "$root/Cargo.toml" >> "$guest/Cargo.toml"
+cargo "$verb" --offline --manifest-path "$guest/Cargo.toml"
+if [ "$verb" = check ]; then
+    echo "guest: checked"
+    exit 0
+fi
 run="timeout 20 cargo run --offline --manifest-path $guest/Cargo.toml"
 if [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ]; then
     show=$run

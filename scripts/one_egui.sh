@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# An app that already has bevy_egui and bevy-inspector-egui, and takes our inspector too, must have exactly one egui (and one Bevy).
+# Checks that an app with its own bevy_egui and bevy-inspector-egui that adds our inspector has exactly one egui (and one Bevy).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -15,10 +15,10 @@ version = "0.1.0"
 edition = "2024"
 
 [dependencies]
-bevy = { version = "0.19", default-features = false }
+bevy = { version = "0.19.1", default-features = false }
 bevy_egui = { version = "0.40", default-features = false, features = ["render"] }
 bevy-inspector-egui = { version = "0.37", default-features = false, features = ["bevy"] }
-bevy_plumage = { path = "$PWD", features = ["inspector", "extract"] }
+bevy_plumage = { path = "$PWD", features = ["inspector", "photo"] }
 
 [workspace]
 END
@@ -26,7 +26,7 @@ tree=$(${CARGO:-cargo} tree --manifest-path "$guest/Cargo.toml" --prefix none --
 for crate in egui bevy_egui bevy-inspector-egui bevy wgpu naga; do
     versions=$(grep -E "^$crate v" <<< "$tree" | awk '{ print $2 }' | sort -u)
     if [ "$(wc -w <<< "$versions")" != 1 ]; then
-        echo "an app with an egui of its own has not one $crate but:" $versions >&2
+        echo "an app with its own egui should have one $crate, but has:" $versions >&2
         exit 1
     fi
 done

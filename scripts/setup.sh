@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Installs what is missing to build and to render: a C linker and a Vulkan driver; with the word `pictures` also ImageMagick, with
-# `window` a virtual display and its mouse. Does nothing where all is present.
+# Installs what is missing to build and render: a C linker and a Vulkan driver; with the argument `pictures` also ImageMagick, with
+# `window` a virtual display and a tool that moves its mouse, with `radeon` Mesa's driver for Radeons and Vulkan's headers. Does
+# nothing where everything is present.
 set -euo pipefail
 
 need=()
@@ -19,8 +20,12 @@ for word in "$@"; do
         command -v Xvfb >/dev/null 2>&1 || need+=(xvfb)
         command -v xdotool >/dev/null 2>&1 || need+=(xdotool)
         ;;
+    radeon)
+        has_library libvulkan_radeon.so || need+=(mesa-vulkan-drivers)
+        [ -e /usr/include/vulkan/vulkan.h ] || need+=(libvulkan-dev)
+        ;;
     *)
-        echo "setup: what is \"$word\"?" >&2
+        echo "setup: unknown argument \"$word\"" >&2
         exit 1
         ;;
     esac
@@ -47,7 +52,7 @@ fi
 [ ${#need[@]} -eq 0 ] && exit 0
 
 if ! command -v apt-get >/dev/null 2>&1; then
-    echo "setup: missing: ${need[*]} (Debian names). Install what your system calls them, then try again." >&2
+    echo "setup: missing: ${need[*]} (Debian names). Install your system's equivalents, then try again." >&2
     exit 1
 fi
 run=()
@@ -55,7 +60,7 @@ if [ "$(id -u)" -ne 0 ]; then
     if command -v sudo >/dev/null 2>&1 && sudo -n true 2>/dev/null; then
         run=(sudo -n)
     else
-        echo "setup: missing: ${need[*]}. May not install them without root; run: sudo apt-get install ${need[*]}" >&2
+        echo "setup: missing: ${need[*]}. They need root to install; run: sudo apt-get install ${need[*]}" >&2
         exit 1
     fi
 fi

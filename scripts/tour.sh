@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Goes through the inspector as a new user would: a real window under Xvfb, real mouse events. Takes a picture of each step, and fails
-# when a step has no effect: by the files that are saved, and by what the window's title says of the bird.
+# Goes through the inspector as a new user would: a real window under Xvfb, real mouse events. Takes a picture of each step and fails
+# when a step has no effect, judging by the saved files and the window's title.
 #
 #   scripts/tour.sh [SCALE] [FOLDER]    SCALE 1 (1280x720, all steps) or 2 (2560x1440, scale factor 2: the panels); pictures go to FOLDER
 #
@@ -52,7 +52,7 @@ look() { # [x y width height]: a number for what is seen there
     local x=${1:-0} y=${2:-0} w=${3:-1280} h=${4:-720}
     import -silent -window root -crop "$(px "$w")x$(px "$h")+$(px "$x")+$(px "$y")" +repage rgb:- | md5sum
 }
-painted() { # x y width height: whether more than a few colours are seen there
+painted() { # x y width height: whether more than a few colors are seen there
     [ "$(import -silent -window root -crop "$(px "$3")x$(px "$4")+$(px "$1")+$(px "$2")" +repage -format %k info:)" -gt 200 ]
 }
 frame() { title | grep -o '[0-9]*$' || echo 0; }
@@ -137,7 +137,7 @@ wheel() { # x y TIMES: downwards
     done
     settle
 }
-picture() { # NAME: the window as it is, in few colours
+picture() { # NAME: the window as it is, in few colors
     local suffix=
     [ "$scale" = 1 ] || suffix=_${scale}x
     import -silent -window root +dither -colors "$((64 / scale))" -define png:compression-level=9 -define png:compression-filter=1 -define png:compression-strategy=0 "$out/$1$suffix.png"
@@ -228,20 +228,20 @@ after=$(value "$feather" barb_angle)
 [ "$before" != "$after" ] || fail "the barb angle is still $before"
 echo "tour: barb angle in the file: $before -> $after"
 
-# Colour: the two sections above are folded, then the third stop gets another colour.
+# Color: the two sections above are folded, then the third stop gets another color.
 click 70 376
 click 50 200
 click 70 263
 from=$(steps)
 click 101 347
 drag 300 500 250 440
-changed "to undo" "$from" "colour picked"
+changed "to undo" "$from" "color picked"
 settle
-picture colour
+picture color
 xdotool key Escape
-save_feather "saving the colour"
-! diff <(grep -m 1 stops "$work/before") <(grep -m 1 stops "$feather") > /dev/null || fail "the colours are still the same"
-echo "tour: colours in the file:$(grep -m 1 stops "$feather")"
+save_feather "saving the color"
+! diff <(grep -m 1 stops "$work/before") <(grep -m 1 stops "$feather") > /dev/null || fail "the colors are still the same"
+echo "tour: colors in the file:$(grep -m 1 stops "$feather")"
 
 # Under another name, then restart.
 click $name

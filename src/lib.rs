@@ -2,45 +2,100 @@
 //!
 //! A *groom* scatters feather cards over a skinned bird; a *material* resolves each card into rachis, barbs and barbules, by
 //! range queries over the pixel's footprint when the camera is close and by their exact mean when it is far; fibre scattering
-//! gives pigment and structural colour. The model follows Chen et al. 2026, *A Procedural, Multiscale and Real-time Feather
+//! gives pigment and structural color. The model follows Chen et al. 2026, *A Procedural, Multiscale and Real-time Feather
 //! Appearance Model*, with the corrections that the module documentation names.
 //!
 //! # Workflow
 //!
-//! 1. Add [`PlumagePlugins`](prelude::PlumagePlugins) to the app, after `DefaultPlugins`.
+//! 1. Add [`PlumagePlugins`] to the app, after `DefaultPlugins`.
 //! 2. Spawn a bird: any skinned mesh, e.g. a glTF scene.
-//! 3. Put a [`Plumage`](groom::Plumage) with the handle of a [`Groom`](groom::Groom) (`*.groom.ron`) on its root. The groom names the
-//!    [`Feather`](anatomy::Feather)s (`*.feather.ron`) that grow in each of its tracts.
-//! 4. The plugin grooms in the background; [`PlumageState::is_ready`](groom::PlumageState::is_ready) tells when the cards are there.
-//! 5. Optionally put a [`FeatherQuality`](render::FeatherQuality) beside it: error budget, transparency, debug view.
-//! 6. Optionally let the air move: [`Wind`](render::Wind) for the world, [`Ruffle`](render::Ruffle) for one bird.
+//! 3. Put a [`Plumage`] with the handle of a [`Groom`] (`*.groom.ron`) on its root. The groom names the
+//!    [`Feather`]s (`*.feather.ron`) that grow in each of its tracts.
+//! 4. The plugin grooms in the background; [`PlumageState::is_ready`] tells when the cards are there.
+//! 5. Optionally put a [`FeatherQuality`] beside it: error budget, transparency, debug view.
+//! 6. Optionally let the air move: [`Wind`] for the world, [`Ruffle`] for one bird.
 //! 7. Read the counters: `render/feather_cards_*` and `render/feather_lod/elapsed_gpu` in Bevy's diagnostics, and
-//!    [`PlumageMemory`](render::PlumageMemory).
+//!    [`PlumageMemory`].
 //!
-//! # Modules
+//! # What is where
 //!
-//! [`query`] and [`scattering`] are pure maths, each function with a WGSL twin of the same name in `shaders/`; [`anatomy`] is one
-//! feather, [`groom`] puts feathers on a bird, [`render`] draws them; [`curves`] is the slow reference with explicit fibres;
-//! `extract` (feature) turns a photograph into a feather, `inspector` (feature) edits everything.
+//! Everything an app needs is in the [`prelude`]; what the assets are made of is at the root of the crate. Feature `photo` turns a
+//! photograph into a feather (`photo`), feature `inspector` edits everything (`inspector`), feature `comparison` adds the published
+//! range query to [`CoverageMethod`]. Derivations and figures are in the repository's `docs/book`.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
+// Twins of shader functions and the like, which the workspace's own tests and tools alone call.
+#![cfg_attr(not(feature = "internals"), allow(dead_code, unused_imports))]
 
+// The rooms. Only the workspace's own tests and tools enter them directly (feature `internals`, no promise of stability); what a
+// user needs of them is re-exported below.
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod anatomy;
-pub mod curves;
-pub mod down;
-#[cfg(feature = "extract")]
-pub mod extract;
+#[cfg(not(feature = "internals"))]
+mod anatomy;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod asset;
+#[cfg(not(feature = "internals"))]
+mod asset;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod groom;
+#[cfg(not(feature = "internals"))]
+mod groom;
 #[cfg(feature = "inspector")]
 pub mod inspector;
-pub mod parameter;
-pub mod query;
-pub mod render;
-pub mod scattering;
-
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod maths;
+#[cfg(not(feature = "internals"))]
+mod maths;
 mod modified;
+mod parameter;
+#[cfg(feature = "photo")]
+pub mod photo;
 mod plugin;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod render;
+#[cfg(not(feature = "internals"))]
+mod render;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod shaders;
+#[cfg(not(feature = "internals"))]
 mod shaders;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod undercoat;
+#[cfg(not(feature = "internals"))]
+mod undercoat;
+
+pub use anatomy::{
+    Albedo, AnatomyPlugin, Barbules, Bars, Coat, ColorShare, Contour, Down, Feather, Gaps,
+    Interval, Pattern, Rachis, Rim, Specular, Spread, Stop, Transfer, Vane,
+};
+pub use asset::{AssetError, AssetLink, RonAsset, RonLoader, RonSaver};
+pub use groom::{
+    Card, CardGeometry, CardRegion, Dab, FeathersOf, Groom, GroomError, GroomPlugin, Guide, Jitter,
+    JointPose, JointWeight, KeyPose, NotSkin, Placement, Plumage, PlumageCards, PlumageFailed,
+    PlumageParts, PlumageReady, PlumageState, PlumageSystems, Region, Row, Segments, Select, Span,
+    Station, Tint,
+};
+pub use maths::scattering::{Fibre, FibreKind, Optics, Sheen};
+pub use parameter::{Length, Parameter};
+pub use plugin::PlumagePlugins;
+pub use render::{
+    ActiveFeatherPath, CARD_COUNTERS, CoverageMethod, DebugView, FeatherMaterial, FeatherPath,
+    FeatherQuality, FeatherRenderPlugin, FeatherSettings, FeatherTransparency, PlumageMemory,
+    Ruffle, Wind,
+};
+pub use undercoat::{
+    GuardStrands, Undercoat, UndercoatFailed, UndercoatMode, UndercoatOf, UndercoatParts,
+    UndercoatPlugin, UndercoatQuality, UndercoatReady, UndercoatSettings, UndercoatState,
+    UndercoatSystems, UndercoatTier, UndercoatView,
+};
 
 /// Compiles the code in the README.
 #[cfg(doctest)]
@@ -50,16 +105,10 @@ struct Readme;
 /// What an app needs.
 pub mod prelude {
     pub use crate::{
-        anatomy::Feather,
-        down::{
-            Down, GuardStrands, Undercoat, UndercoatMode, UndercoatPlugin, UndercoatQuality,
-            UndercoatSettings, UndercoatState, UndercoatTier, UndercoatView,
-        },
-        groom::{Groom, Plumage, PlumageState},
-        plugin::PlumagePlugins,
-        render::{
-            CARD_COUNTERS, DebugView, FeatherMaterial, FeatherPath, FeatherQuality,
-            FeatherSettings, FeatherTransparency, PlumageMemory, Ruffle, Wind,
-        },
+        CoverageMethod, DebugView, Down, Feather, FeatherMaterial, FeatherPath, FeatherQuality,
+        FeatherRenderPlugin, FeatherSettings, FeatherTransparency, Groom, GuardStrands, Plumage,
+        PlumageCards, PlumageFailed, PlumageMemory, PlumagePlugins, PlumageReady, PlumageState,
+        PlumageSystems, RonAsset, Ruffle, Undercoat, UndercoatMode, UndercoatQuality,
+        UndercoatSettings, UndercoatState, UndercoatTier, UndercoatView, Wind,
     };
 }

@@ -1,10 +1,11 @@
-//! [`Parameter`]: unit and range of a field, said once.
+//! [`Parameter`] and [`Length`]: unit and range of a field, said once.
 
-use bevy::reflect::Reflect;
+use bevy::reflect::{Reflect, TypeInfo, Typed};
 
 /// Unit and range of a numeric field, as an attribute that reflection carries (`#[reflect(@Parameter::new("mm", 0.1, 5000.0))]`).
 ///
-/// Sliders read it, and the tests hold validation to it.
+/// Sliders read it and files are checked against it. On a field of several numbers (an array, a list, a pair, an option) it
+/// holds for each of them.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 pub struct Parameter {
     /// Unit as shown after the number; empty for a pure number.
@@ -26,6 +27,14 @@ impl Parameter {
             high,
             logarithmic: false,
         }
+    }
+
+    /// The attribute of a field of a struct; `None` if it has no such field, or that has none.
+    pub fn of<T: Typed>(field: &str) -> Option<Self> {
+        let TypeInfo::Struct(info) = T::type_info() else {
+            return None;
+        };
+        info.field(field)?.get_attribute::<Self>().copied()
     }
 
     /// A share: 0 to 1, no unit.
@@ -53,5 +62,22 @@ impl Parameter {
         } else {
             0.5 * (self.low + self.high)
         }
+    }
+}
+
+/// How many elements a list may have, or bytes a text, as an attribute that reflection carries
+/// (`#[reflect(@Length::new(2, 64))]`). Files are checked against it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+pub struct Length {
+    /// Fewest.
+    pub least: usize,
+    /// Most.
+    pub most: usize,
+}
+
+impl Length {
+    /// From `least` to `most` elements.
+    pub const fn new(least: usize, most: usize) -> Self {
+        Self { least, most }
     }
 }

@@ -1,7 +1,8 @@
 //! The plugin group.
 
 use crate::{
-    anatomy::AnatomyPlugin, down::UndercoatPlugin, groom::GroomPlugin, render::FeatherRenderPlugin,
+    anatomy::AnatomyPlugin, groom::GroomPlugin, render::FeatherRenderPlugin,
+    undercoat::UndercoatPlugin,
 };
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 
@@ -13,10 +14,10 @@ impl PluginGroup for PlumagePlugins {
         let group = PluginGroupBuilder::start::<Self>()
             .add(AnatomyPlugin)
             .add(GroomPlugin)
-            .add(FeatherRenderPlugin)
+            .add(FeatherRenderPlugin::default())
             .add(UndercoatPlugin);
-        #[cfg(feature = "extract")]
-        let group = group.add(crate::extract::ExtractPlugin);
+        #[cfg(feature = "photo")]
+        let group = group.add(crate::photo::ExtractPlugin);
         group
     }
 }

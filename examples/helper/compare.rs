@@ -5,7 +5,7 @@
 
 use super::headless::{capture, frame};
 use bevy::{diagnostic::DiagnosticsStore, prelude::*, render::renderer::RenderAdapterInfo};
-use bevy_plumage::{prelude::*, render::CoverageMethod};
+use bevy_plumage::{CoverageMethod, prelude::*};
 use serde_json::{Value, json};
 use std::path::Path;
 

@@ -1,9 +1,13 @@
-//! Off-screen rendering: loads, warms up, renders, writes the picture and the statistics.
+//! Rendering off screen: waits for the coats, renders, writes the picture and the statistics.
 
-use super::{Args, camera::OffScreen, compare, stats};
+use super::{
+    Args,
+    camera::OffScreen,
+    growth::{FailedFiles, Growth},
+    stats,
+};
 use bevy::{
     app::PluginsState,
-    asset::UntypedAssetLoadFailedEvent,
     light::DirectionalLightShadowMap,
     prelude::*,
     render::{
@@ -12,7 +16,6 @@ use bevy::{
         view::screenshot::{Screenshot, ScreenshotCaptured},
     },
 };
-use bevy_plumage::prelude::*;
 use std::{
     path::{Path, PathBuf},
     sync::{Arc, Mutex},
@@ -21,9 +24,13 @@ use std::{
 use wgpu_types::DeviceType;
 
 /// Longest wait for assets and grooms.
-const LOAD_TIMEOUT: Duration = Duration::from_secs(120);
-/// Wait for the rest after a file has failed to load.
-const FAILURE_GRACE: Duration = Duration::from_secs(3);
+const LOAD_TIMEOUT: Duration = Duration::from_secs(300);
+/// Longest wait for the picture to come back from the GPU.
+const CAPTURE_TIMEOUT: Duration = Duration::from_secs(60);
+/// Shortest wait: a coat may bring another one (down below feathers).
+const LOAD_AT_LEAST: Duration = Duration::from_millis(200);
+/// Time between two lines of progress.
+const PROGRESS: Duration = Duration::from_secs(2);
 /// Frames before the first measured one: pipelines compile, shadow maps fill, buffers settle.
 const WARM_UP: u32 = 3;
 
@@ -33,74 +40,80 @@ pub fn adapter_exists() -> bool {
     !pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY)).is_empty()
 }
 
-/// Runs `app` to its picture and leaves the process.
-pub fn run(mut app: App, name: &str, args: &Args) {
+/// Runs `app` to its picture.
+pub fn run(mut app: App, name: &str, args: &Args) -> AppExit {
+    let outcome = picture(&mut app, name, args);
+    // Nothing is left to save: no need to tear the app down.
+    std::mem::forget(app);
+    match outcome {
+        Ok(()) => AppExit::Success,
+        Err(error) => {
+            eprintln!("{name}: {error}");
+            AppExit::error()
+        }
+    }
+}
+
+fn picture(app: &mut App, name: &str, args: &Args) -> Result<(), String> {
     while app.plugins_state() == PluginsState::Adding {
         bevy::tasks::tick_global_task_pools_on_main_thread();
     }
     app.finish();
     app.cleanup();
-    let image = target(&mut app, args.size);
+    let image = target(app, args.size);
     app.insert_resource(OffScreen(image.clone()));
-    let device = app.world().resource::<RenderAdapterInfo>().device_type;
-    if device == DeviceType::Cpu {
-        // Shadow maps are the dearest part of a picture drawn by software.
+    let adapter = app.world().resource::<RenderAdapterInfo>();
+    println!("{name}: off screen, on {}", adapter.name);
+    if adapter.device_type == DeviceType::Cpu {
+        // Shadow maps are the most expensive part of a picture drawn in software.
         app.insert_resource(DirectionalLightShadowMap { size: 1024 });
     }
-    load(&mut app, name);
+    load(app, name)?;
+    #[cfg(feature = "comparison")]
+    #[cfg(feature = "comparison")]
     if let Some(file) = &args.compare {
-        if let Err(error) = compare::run(&mut app, &image, file) {
-            eprintln!("{name}: {error}");
-            std::process::exit(1);
-        }
-        std::process::exit(0);
+        return super::compare::run(app, &image, file);
     }
-    println!("{name}: rendering {} frames", args.frames.max(1));
-    for _ in 0..WARM_UP {
-        frame(&mut app);
-    }
+    let frames = args.frames.max(1);
     let mut times = Vec::new();
-    for _ in 0..args.frames.max(1) {
-        times.push(frame(&mut app));
-    }
-    let output = args
-        .output
-        .clone()
-        .unwrap_or_else(|| PathBuf::from(format!("{name}.png")));
-    let written = capture(&mut app, image)
-        .and_then(|picture| picture.to_rgb8().save(&output).map_err(|e| e.to_string()));
-    match written {
-        Ok(()) => println!("{name}: wrote {}", shown(&output)),
-        Err(error) => {
-            eprintln!("{name}: {}: {error}", shown(&output));
-            std::process::exit(1);
+    for number in 1..=WARM_UP + frames {
+        let time = frame(app);
+        println!(
+            "{name}: frame {number} of {}, {:.1} s",
+            WARM_UP + frames,
+            time.as_secs_f32()
+        );
+        if number > WARM_UP {
+            times.push(time);
         }
     }
-    let stats = stats::collect(&mut app, &mut times);
+    let default = PathBuf::from(format!("{name}.png"));
+    let output = args.output.as_ref().unwrap_or(&default);
+    capture(app, image)?
+        .to_rgb8()
+        .save(output)
+        .map_err(|error| format!("{}: {error}", shown(output)))?;
+    println!("{name}: wrote {}", shown(output));
+    let stats = stats::collect(app, &mut times);
     println!("{name}: {stats:#}");
     if args.bench {
         println!(
-            "{name}: {}x{}, 4x MSAA: {:.1} ms a frame (median of {}) on {}, {:.2} MB",
+            "{name}: {}x{}, 4x MSAA: {:.1} ms a frame (median of {frames}) on {}, {:.2} MB",
             args.size.0,
             args.size.1,
             stats["frame_ms"].as_f64().unwrap_or_default(),
-            args.frames.max(1),
             stats["adapter"].as_str().unwrap_or_default(),
             stats["undercoat"]["bytes"].as_f64().unwrap_or_default() / 1e6,
         );
     }
-    if let Some(path) = &args.stats
-        && let Err(error) = std::fs::write(path, format!("{stats:#}\n"))
-    {
-        eprintln!("{name}: {}: {error}", shown(path));
-        std::process::exit(1);
+    if let Some(path) = &args.stats {
+        std::fs::write(path, format!("{stats:#}\n"))
+            .map_err(|error| format!("{}: {error}", shown(path)))?;
     }
-    if let Some(exit) = app.should_exit() {
-        eprintln!("{name}: the renderer stopped: {exit:?}");
-        std::process::exit(1);
+    match app.should_exit() {
+        Some(exit) => Err(format!("the renderer stopped: {exit:?}")),
+        None => Ok(()),
     }
-    // Leaves without tearing the app down: nothing is left to save.
-    std::process::exit(0);
 }
 
 fn shown(path: &Path) -> String {
@@ -131,47 +144,43 @@ pub fn frame(app: &mut App) -> Duration {
     start.elapsed()
 }
 
-/// Updates until every plumage is ready (or has failed), with progress.
-fn load(app: &mut App, name: &str) {
+/// Updates until every coat has grown or failed, with progress. An error if there is nothing to look at then.
+fn load(app: &mut App, name: &str) -> Result<(), String> {
     let start = Instant::now();
-    let mut shown = String::new();
-    let mut last_failure = None;
-    while start.elapsed() < LOAD_TIMEOUT {
+    let mut files = FailedFiles::default();
+    let (mut shown, mut at) = (None, start);
+    loop {
         app.update();
-        let mut states = app.world_mut().query::<&PlumageState>();
-        let (mut all, mut ready, mut failed) = (0, 0, 0);
-        for state in states.iter(app.world()) {
-            all += 1;
-            ready += u32::from(state.is_ready());
-            failed += u32::from(state.error.is_some());
+        let growth = Growth::of(app.world_mut());
+        let given_up = files.given_up(app.world());
+        let waited = start.elapsed();
+        if shown.as_ref() != Some(&growth) || at.elapsed() > PROGRESS {
+            println!(
+                "{name}: {} of {} coats grown, {:.0} s",
+                growth.grown,
+                growth.wanted,
+                waited.as_secs_f32()
+            );
+            (shown, at) = (Some(growth.clone()), Instant::now());
         }
-        let mut coats = app.world_mut().query::<&UndercoatState>();
-        for coat in coats.iter(app.world()) {
-            all += 1;
-            ready += u32::from(coat.ready && coat.error.is_none());
-            failed += u32::from(coat.error.is_some());
+        if let Some(exit) = app.should_exit() {
+            return Err(format!("the renderer stopped: {exit:?}"));
         }
-        let failures = app
-            .world()
-            .resource::<Messages<UntypedAssetLoadFailedEvent>>()
-            .len();
-        if failures > 0 {
-            // A bird whose own file is missing or damaged never gets as far as its plumage; the log has the reason.
-            last_failure = Some(Instant::now());
-        }
-        let given_up = last_failure.is_some_and(|at| at.elapsed() > FAILURE_GRACE);
-        let text = format!("{name}: {ready} of {all} coats grown");
-        if text != shown {
-            println!("{text}");
-            shown = text;
-        }
-        let settled = all == ready + failed && start.elapsed().as_millis() > 200;
-        if settled || given_up || app.should_exit().is_some() {
-            return;
+        let settled = growth.is_settled() && waited > LOAD_AT_LEAST;
+        if settled || given_up || waited > LOAD_TIMEOUT {
+            for error in &growth.errors {
+                eprintln!("{name}: {error}");
+            }
+            if growth.is_bare() {
+                return Err("no coat has grown".into());
+            }
+            if !settled {
+                eprintln!("{name}: not everything was loaded after {waited:.0?}");
+            }
+            return Ok(());
         }
         std::thread::sleep(Duration::from_millis(5));
     }
-    eprintln!("{name}: not everything was loaded within {LOAD_TIMEOUT:?}");
 }
 
 /// The picture of the next frame.
@@ -185,7 +194,8 @@ pub fn capture(app: &mut App, image: Handle<Image>) -> Result<image::DynamicImag
                 *slot = Some(shot.image.clone());
             }
         });
-    for _ in 0..100 {
+    let start = Instant::now();
+    while start.elapsed() < CAPTURE_TIMEOUT {
         frame(app);
         let taken = got.lock().ok().and_then(|mut slot| slot.take());
         if let Some(image) = taken {

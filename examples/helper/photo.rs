@@ -9,10 +9,8 @@ use super::{
     spawn_cloth,
 };
 use bevy::{asset::RenderAssetUsages, image::Image, light::NotShadowCaster, prelude::*};
-use bevy_plumage::{
-    extract::{ExtractSettings, Extraction, extract, load_photograph},
-    prelude::*,
-};
+use bevy_plumage::photo::{ExtractSettings, Extraction, extract, load_photograph};
+use bevy_plumage::prelude::*;
 use image::DynamicImage;
 use std::path::Path;
 
@@ -65,7 +63,7 @@ pub fn setup(app: &mut App) -> bool {
     true
 }
 
-fn read(file: &Path) -> Result<Pair, bevy_plumage::extract::ExtractError> {
+fn read(file: &Path) -> Result<Pair, bevy_plumage::photo::ExtractError> {
     let photograph = load_photograph(file)?;
     let found = extract(&photograph, &ExtractSettings::default(), &mut |_| ())?;
     let metres = LENGTH / found.frame.v.length().max(1.0);

@@ -8,7 +8,7 @@ use bevy::{
     prelude::*,
     world_serialization::{WorldAssetRoot, WorldInstanceReady},
 };
-use bevy_plumage::prelude::*;
+use std::f32::consts::FRAC_PI_2;
 
 /// Sun, sky, and the animation of the birds.
 pub struct ScenePlugin;
@@ -16,11 +16,12 @@ pub struct ScenePlugin;
 impl Plugin for ScenePlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(Startup, spawn_light)
+            .add_observer(grow_perch)
             .add_observer(start_idle);
     }
 }
 
-/// The idle clip of a bird.
+/// The idle clip of a bird and the time at which it begins, seconds.
 #[derive(Component, Clone)]
 pub struct Idle(pub Handle<AnimationClip>, pub f32);
 
@@ -45,7 +46,7 @@ impl FromWorld for Sky {
 }
 
 impl Sky {
-    /// What the camera wears to see and be lit by the sky; `brightness` relative to a day's.
+    /// Components by which a camera sees the sky and what it lights; `brightness` relative to a day's.
     pub fn bundle(&self, brightness: f32) -> impl Bundle {
         (
             Tonemapping::AcesFitted,
@@ -90,57 +91,42 @@ fn spawn_light(mut commands: Commands, args: Res<Args>) {
     ));
 }
 
-/// A bird from `assets/birds/NAME.glb` with the groom of the same name.
-pub fn spawn_bird(
-    commands: &mut Commands,
-    assets: &AssetServer,
-    args: &Args,
-    name: &str,
-    density: f32,
-    seed: u64,
-    phase: f32,
-    transform: Transform,
-) -> Entity {
+/// The model of a bird with its idle clip, begun at `phase` seconds: `assets/birds/NAME.glb`.
+pub fn bird(assets: &AssetServer, name: &str, phase: f32) -> impl Bundle {
     let file = format!("birds/{name}.glb");
-    commands
-        .spawn((
-            WorldAssetRoot(assets.load(GltfAssetLabel::Scene(0).from_asset(file.clone()))),
-            Plumage::new(assets.load(format!("grooms/{name}.groom.ron")))
-                .with_seed(seed)
-                .with_density(density),
-            args.quality(FeatherTransparency::default()),
-            Ruffle {
-                amount: args.ruffle,
-                ..default()
-            },
-            Idle(
-                assets.load(GltfAssetLabel::Animation(0).from_asset(file)),
-                phase,
-            ),
-            transform,
-        ))
-        .id()
+    (
+        WorldAssetRoot(assets.load(GltfAssetLabel::Scene(0).from_asset(file.clone()))),
+        Idle(
+            assets.load(GltfAssetLabel::Animation(0).from_asset(file)),
+            phase,
+        ),
+    )
 }
 
-/// A branch to sit on: along x through `height` below the feet's origin.
-pub fn spawn_perch(
-    commands: &mut Commands,
-    meshes: &mut Assets<Mesh>,
-    materials: &mut Assets<StandardMaterial>,
-    radius: f32,
-    length: f32,
-    center: Vec3,
-) {
-    commands.spawn((
+/// A branch to sit on: along x, its upper side through the feet's origin; radius and length in metres.
+#[derive(Component, Clone, Copy)]
+#[require(Transform, Visibility)]
+pub struct Perch(pub f32, pub f32);
+
+fn grow_perch(
+    add: On<Add, Perch>,
+    perches: Query<&Perch>,
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) -> Result {
+    let Perch(radius, length) = *perches.get(add.entity)?;
+    commands.entity(add.entity).insert((
         Mesh3d(meshes.add(Capsule3d::new(radius, length))),
         MeshMaterial3d(materials.add(StandardMaterial {
             base_color: Color::srgb(0.33, 0.25, 0.17),
             perceptual_roughness: 0.9,
             ..default()
         })),
-        Transform::from_translation(center - Vec3::Y * radius)
-            .with_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2)),
+        Transform::from_translation(Vec3::NEG_Y * radius)
+            .with_rotation(Quat::from_rotation_z(FRAC_PI_2)),
     ));
+    Ok(())
 }
 
 /// Plays the idle clip once the bird's scene is there; `--time` freezes it.

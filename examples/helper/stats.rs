@@ -1,7 +1,7 @@
 //! The statistics an example writes.
 
 use bevy::{diagnostic::DiagnosticsStore, prelude::*, render::renderer::RenderAdapterInfo};
-use bevy_plumage::{groom::PlumageCards, prelude::*};
+use bevy_plumage::{PlumageCards, prelude::*};
 use serde_json::{Map, Value, json};
 use std::time::Duration;
 
@@ -34,7 +34,7 @@ pub fn collect(app: &mut App, times: &mut [Duration]) -> Value {
             .find(|d| d.path().as_str() == path)
             .and_then(bevy::diagnostic::Diagnostic::value)
     };
-    let cards: Map<String, Value> = CARD_COUNTERS
+    let cards: Map<String, Value> = bevy_plumage::CARD_COUNTERS
         .iter()
         .map(|name| {
             let count = value(format!("render/feather_cards_{name}")).unwrap_or(0.0);

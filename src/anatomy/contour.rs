@@ -116,7 +116,7 @@ impl Contour {
             return 0.0;
         }
         let last = values.len() - 1;
-        let place = super::map::contour_row(root, self.start, values.len() as f32);
+        let place = crate::maths::card::contour_row(root, self.start, values.len() as f32);
         let i = (place as usize).min(last);
         let next = values[(i + 1).min(last)];
         values[i] + (next - values[i]) * (place - i as f32)

@@ -5,21 +5,29 @@
 //! `x = (u - F_P(v)) * aspect`, `y = v`, with the rachis on `x = 0` (the paper's map M of Table 1 puts it on 0.5 and has no
 //! aspect). Left is `x < 0`. Every length below whose unit is not named is in feather lengths.
 
-use crate::{parameter::Parameter, scattering::Optics};
+use super::v1;
+use crate::{
+    asset::{AssetError, RonAsset, parse},
+    maths::scattering::Optics,
+    parameter::{Length, Parameter},
+};
 use bevy::{
-    asset::{Asset, Handle},
+    asset::{Asset, Handle, LoadContext},
     image::Image,
-    reflect::Reflect,
+    reflect::{Reflect, std_traits::ReflectDefault},
 };
 use serde::{Deserialize, Serialize};
 
 /// One feather, as it lies in a `*.feather.ron` file.
 #[derive(Asset, Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[reflect(Default, Clone, PartialEq)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Feather {
-    /// Format version of the file, [`Feather::VERSION`].
+    /// Format version of the file, [`RonAsset::VERSION`].
     pub version: u32,
-    /// Name shown to people, e.g. `primary`.
+    /// Name shown to people, e.g. `primary`; 1 to 256 bytes.
+    #[reflect(@Length::new(1, 256))]
     pub name: String,
     /// Length from skin to tip in millimetres; the physical scale of every other length.
     #[reflect(@Parameter::new("mm", 0.1, 5000.0).logarithmic())]
@@ -38,7 +46,7 @@ pub struct Feather {
     /// Splits of the contour (Eq. 3-5).
     #[serde(default)]
     pub gaps: Gaps,
-    /// Colour.
+    /// Color.
     pub albedo: Albedo,
     /// Fibre optics.
     #[serde(default)]
@@ -59,9 +67,11 @@ pub struct Contour {
     /// Height where the vane begins (above it the calamus is bare), 0..0.9.
     #[reflect(@Parameter::new("", 0.0, 0.9))]
     pub start: f32,
-    /// Reach of the left barbs, 2..1024 values.
+    /// Reach of the left barbs, 2..1024 values of 0..2.
+    #[reflect(@Parameter::new("lengths", 0.0, 2.0), @Length::new(2, 1024))]
     pub left: Vec<f32>,
-    /// Reach of the right barbs, 2..1024 values.
+    /// Reach of the right barbs, 2..1024 values of 0..2.
+    #[reflect(@Parameter::new("lengths", 0.0, 2.0), @Length::new(2, 1024))]
     pub right: Vec<f32>,
 }
 
@@ -69,9 +79,12 @@ pub struct Contour {
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rachis {
-    /// F_P at equal steps of v from 0 to 1, in UV units (0.5 = middle of the card), 2..64 values, joined by a cubic spline.
+    /// F_P at equal steps of v from 0 to 1, in UV units (0.5 = middle of the card), 2..64 values of -0.5..1.5, joined by a
+    /// cubic spline.
+    #[reflect(@Parameter::new("", -0.5, 1.5), @Length::new(2, 64))]
     pub curve: Vec<f32>,
-    /// r_r at base, middle and tip, in millimetres.
+    /// r_r at base, middle and tip, in millimetres, 0..50.
+    #[reflect(@Parameter::new("mm", 0.0, 50.0))]
     pub radius_mm: [f32; 3],
 }
 
@@ -146,7 +159,7 @@ impl Default for Gaps {
     }
 }
 
-/// Colour of both faces.
+/// Color of both faces.
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Albedo {
@@ -157,16 +170,17 @@ pub struct Albedo {
     pub back: Option<Pattern>,
     /// An image over the UV rectangle that replaces the front pattern, path relative to the feather file (from a photograph).
     #[serde(default)]
+    #[reflect(@Length::new(1, 1024))]
     pub image: Option<String>,
-    /// How much of the painted colour each kind of fibre has.
+    /// How much of the painted color each kind of fibre has.
     #[serde(default)]
-    pub share: ColourShare,
+    pub share: ColorShare,
 }
 
-/// Pigment is not spread evenly: factors on the painted colour, each 0..4, 1 = as painted. The product is kept below 1.
+/// Pigment is not spread evenly: factors on the painted color, each 0..4, 1 = as painted. The product is kept below 1.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct ColourShare {
+pub struct ColorShare {
     /// Of the shaft.
     #[reflect(@Parameter::new("", 0.0, 4.0))]
     pub rachis: f32,
@@ -178,7 +192,7 @@ pub struct ColourShare {
     pub barbule: f32,
 }
 
-impl Default for ColourShare {
+impl Default for ColorShare {
     fn default() -> Self {
         Self {
             rachis: 1.0,
@@ -188,23 +202,202 @@ impl Default for ColourShare {
     }
 }
 
-/// A painted pattern: bands along the feather, a rim, bars. Each colour is sRGB `[r, g, b]` in 0..1, and each has a `tint`
-/// share: 0 keeps the colour, 1 hands it to the groom (region colour of the card), so that one template serves many tracts.
+/// A painted pattern: bands along the feather, a rim, bars. Each color is sRGB `[r, g, b]` in 0..1; a `tint` share of 0 keeps
+/// the color, 1 hands it to the groom (region color of the card), so that one template serves many tracts.
 #[derive(Clone, Debug, Default, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Pattern {
-    /// Colour stops along v: (v, colour, tint share), 1..16 of them, v rising.
-    pub stops: Vec<(f32, [f32; 3], f32)>,
-    /// A rim of another colour: (width as a share of the half width, colour, tint share).
-    pub rim: Option<(f32, [f32; 3], f32)>,
-    /// Cross bars: (count along v, colour, share of the period they fill 0..1, waviness 0..1).
-    pub bars: Option<(f32, [f32; 3], f32, f32)>,
+    /// Color stops along v, 1..16 of them, v rising.
+    #[reflect(@Length::new(1, 16))]
+    pub stops: Vec<Stop>,
+    /// A rim of another color.
+    pub rim: Option<Rim>,
+    /// Cross bars.
+    pub bars: Option<Bars>,
     /// Fine mottling: amplitude of the value noise, 0..1.
     #[reflect(@Parameter::share())]
     pub mottle: f32,
 }
 
-impl Feather {
-    /// Version that this crate writes.
-    pub const VERSION: u32 = 1;
+/// A color at one height of a [`Pattern`].
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stop {
+    /// Height on the card, 0..1.
+    #[reflect(@Parameter::share())]
+    pub v: f32,
+    /// Color, sRGB.
+    #[reflect(@Parameter::share())]
+    pub color: [f32; 3],
+    /// Share handed to the groom's color, 0..1.
+    #[reflect(@Parameter::share())]
+    pub tint: f32,
+}
+
+/// The rim of a [`Pattern`], along the outline.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rim {
+    /// Width as a share of the half width, 0..1.
+    #[reflect(@Parameter::share())]
+    pub width: f32,
+    /// Color, sRGB.
+    #[reflect(@Parameter::share())]
+    pub color: [f32; 3],
+    /// Share handed to the groom's color, 0..1.
+    #[reflect(@Parameter::share())]
+    pub tint: f32,
+}
+
+/// The cross bars of a [`Pattern`].
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bars {
+    /// Number along v, 0..200.
+    #[reflect(@Parameter::new("", 0.0, 200.0))]
+    pub count: f32,
+    /// Color, sRGB.
+    #[reflect(@Parameter::share())]
+    pub color: [f32; 3],
+    /// Share of the period that a bar fills, 0..1.
+    #[reflect(@Parameter::share())]
+    pub share: f32,
+    /// Waviness, 0..1.
+    #[reflect(@Parameter::share())]
+    pub waviness: f32,
+}
+
+/// A plain grey body feather of 40 mm.
+impl Default for Feather {
+    fn default() -> Self {
+        Self {
+            version: Self::VERSION,
+            name: "feather".into(),
+            length_mm: 40.0,
+            aspect: 0.6,
+            contour: Contour::default(),
+            rachis: Rachis::default(),
+            left: Vane::default(),
+            right: Vane::default(),
+            gaps: Gaps::default(),
+            albedo: Albedo::default(),
+            optics: Optics::default(),
+            image: None,
+        }
+    }
+}
+
+impl Default for Contour {
+    fn default() -> Self {
+        let reach = vec![0.2, 0.3, 0.3, 0.25, 0.15, 0.0];
+        Self {
+            start: 0.03,
+            left: reach.clone(),
+            right: reach,
+        }
+    }
+}
+
+/// A straight shaft in the middle of the card.
+impl Default for Rachis {
+    fn default() -> Self {
+        Self {
+            curve: vec![0.5; 2],
+            radius_mm: [0.4, 0.2, 0.04],
+        }
+    }
+}
+
+/// A vane of a body feather.
+impl Default for Vane {
+    fn default() -> Self {
+        Self {
+            barb_count: 90.0,
+            barb_angle: 40.0,
+            barb_radius_um: 15.0,
+            barbules: Barbules::default(),
+            fringe: 0.0,
+            downy: 0.0,
+        }
+    }
+}
+
+impl Default for Barbules {
+    fn default() -> Self {
+        Self {
+            spacing_um: 34.0,
+            angle: 38.0,
+            distal_radius_um: 6.0,
+            proximal_radius_um: 5.5,
+        }
+    }
+}
+
+/// Neutral grey that the groom's color replaces by half.
+impl Default for Albedo {
+    fn default() -> Self {
+        Self {
+            front: Pattern {
+                stops: vec![Stop {
+                    v: 0.0,
+                    color: [0.5; 3],
+                    tint: 0.5,
+                }],
+                ..Pattern::default()
+            },
+            back: None,
+            image: None,
+            share: ColorShare::default(),
+        }
+    }
+}
+
+impl RonAsset for Feather {
+    const NAME: &'static str = "Feather";
+    const EXTENSION: &'static str = "feather.ron";
+    const VERSION: u32 = 2;
+    const OLDEST: u32 = 1;
+
+    fn version(&self) -> u32 {
+        self.version
+    }
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn migrate(_: u32, bytes: &[u8], file: &str) -> Result<Self, AssetError> {
+        parse::<v1::Feather>(bytes, file).map(Self::from)
+    }
+
+    /// The stops of a pattern rise.
+    fn check_relations(&self) -> Result<(), AssetError> {
+        let front = std::iter::once(("front", &self.albedo.front));
+        for (face, pattern) in front.chain(self.albedo.back.as_ref().map(|back| ("back", back))) {
+            let mut last = 0.0;
+            for (i, stop) in pattern.stops.iter().enumerate() {
+                if stop.v < last {
+                    let field = format_args!("albedo.{face}.stops[{i}].v").to_string();
+                    return Err(AssetError::value(
+                        field,
+                        stop.v,
+                        format_args!("{last} to 1"),
+                    ));
+                }
+                last = stop.v;
+            }
+        }
+        Ok(())
+    }
+
+    fn load_dependencies(&mut self, context: &mut LoadContext<'_>) -> Result<(), AssetError> {
+        if let Some(image) = &self.albedo.image {
+            let target = context.path().resolve_embed_str(image).map_err(|error| {
+                let value = format_args!("{image:?} ({error})").to_string();
+                AssetError::value("albedo.image", value, "an asset path")
+            })?;
+            self.image = Some(context.load(target));
+        }
+        Ok(())
+    }
 }

@@ -1,23 +1,29 @@
-//! One feather: the symbols of the paper's Table 1, its map and outline, presets, and its file.
+//! One feather and one kind of down: the symbols of the paper's Table 1, a feather's map and outline, and the assets
+//! `*.feather.ron` and `*.down.ron`.
+//!
+//! What describes a single feather lives here, on the processor. It may use `asset` and `maths`; it may not know grooms, materials or
+//! shaders.
 
+mod builtin;
 mod contour;
-mod error;
+mod down;
 mod feather;
-mod loader;
-pub mod map;
 mod pattern;
-pub mod presets;
+mod plugin;
 mod rachis;
 mod table1;
-#[cfg(test)]
-mod tests;
-mod validate;
+mod v1;
 
+pub use builtin::contour;
+#[cfg(any(feature = "inspector", feature = "photo"))]
+pub use builtin::primary;
 pub use contour::{CONTOUR_ROWS, RACHIS_ROWS, ShapeTable};
-pub use error::FeatherError;
-pub use feather::{Albedo, Barbules, ColourShare, Contour, Feather, Gaps, Pattern, Rachis, Vane};
-pub use loader::{AnatomyPlugin, FeatherLoader, FeatherSaver};
-pub use map::CanonicalFootprint;
+pub use down::{Coat, Down, Interval, Specular, Spread, Transfer};
+pub use feather::{
+    Albedo, Barbules, Bars, ColorShare, Contour, Feather, Gaps, Pattern, Rachis, Rim, Stop, Vane,
+};
 pub use pattern::{BAKE_HEIGHT, BAKE_WIDTH};
+pub use plugin::AnatomyPlugin;
+pub(crate) use plugin::DownPlugin;
 pub use rachis::{FeatherMap, Spline};
 pub use table1::Side;

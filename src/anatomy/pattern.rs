@@ -1,6 +1,7 @@
 //! The painted pattern baked into a small image over the UV rectangle.
 
-use super::{Albedo, Feather, Pattern, Side, map};
+use super::{Albedo, Bars, Feather, Pattern, Rim, Side};
+use crate::maths::{card, functions::smooth_step};
 use noise::{NoiseFn, Perlin};
 
 impl Albedo {
@@ -14,11 +15,6 @@ impl Albedo {
 pub const BAKE_WIDTH: usize = 32;
 /// Default height of a baked pattern in pixels.
 pub const BAKE_HEIGHT: usize = 128;
-
-fn hermite(low: f32, high: f32, x: f32) -> f32 {
-    let t = ((x - low) / (high - low).max(1e-6)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
 
 fn blend(from: [f32; 4], to: [f32; 4], share: f32) -> [f32; 4] {
     std::array::from_fn(|i| from[i] + (to[i] - from[i]) * share)
@@ -52,13 +48,13 @@ impl Canvas<'_> {
             let gap = [to[0] - t * edge[0], to[1] - t * edge[1]];
             squared = squared.min(gap[0] * gap[0] + gap[1] * gap[1]);
         }
-        let root = map::barb_root(point, self.feather.vane(side).alpha_b());
+        let root = card::barb_root(point, self.feather.vane(side).cotangent());
         let inside = point[0].abs() < self.feather.contour.reach(side, root);
         let distance = squared.min(4.0).sqrt() / self.half_width;
         if inside { distance } else { -distance }
     }
 
-    fn colour(&self, pattern: &Pattern, point: [f32; 2]) -> [f32; 4] {
+    fn paint(&self, pattern: &Pattern, point: [f32; 2]) -> [f32; 4] {
         let [x, y] = point;
         let across = x / self.half_width;
         let side = if x < 0.0 { Side::Left } else { Side::Right };
@@ -67,45 +63,52 @@ impl Canvas<'_> {
         // Zones and bars follow the barbs a little and are never ruler-straight.
         let along =
             y - 0.06 * across.abs() * self.half_width + 0.02 * noise(across * 2.0, y * 6.0, 0.5);
-        let mut colour = stop_colour(pattern, along);
-        if let Some((count, rgb, share, waviness)) = pattern.bars {
+        let mut paint = stop_color(pattern, along);
+        if let Some(Bars {
+            count,
+            color,
+            share,
+            waviness,
+        }) = pattern.bars
+        {
             let wave = waviness
                 * (0.9 * noise(across * 1.7, y * count * 0.4, 1.5)
                     + 0.25 * (across.abs() * 3.0).sin());
             let phase = (y * count + wave).rem_euclid(1.0);
             let from_middle = (phase - 0.5).abs();
             let softness = 0.06 + 0.1 * waviness;
-            let bar = 1.0 - hermite(share * 0.5 - softness, share * 0.5 + softness, from_middle);
-            colour = blend(colour, with_tint(rgb, 0.0), bar);
+            let bar =
+                1.0 - smooth_step(share * 0.5 - softness, share * 0.5 + softness, from_middle);
+            paint = blend(paint, with_tint(color, 0.0), bar);
         }
-        if let Some((width, rgb, tint)) = pattern.rim {
+        if let Some(Rim { width, color, tint }) = pattern.rim {
             let soft = (width * 0.35).max(0.02);
-            let rim = 1.0 - hermite(width - soft, width + soft, self.inset(side, point));
+            let rim = 1.0 - smooth_step(width - soft, width + soft, self.inset(side, point));
             // Down has no rim.
             let downy = self.feather.vane(side).downy;
-            let rim = rim * hermite(downy - 0.02, downy + 0.15, y);
-            colour = blend(colour, with_tint(rgb, tint), rim);
+            let rim = rim * smooth_step(downy - 0.02, downy + 0.15, y);
+            paint = blend(paint, with_tint(color, tint), rim);
         }
         if pattern.mottle > 0.0 {
             let grain = 0.7 * noise(across * 6.0, y / self.half_width * 3.5, 2.5)
                 + 0.5 * noise(across * 14.0, y / self.half_width * 9.0, 3.5);
             let value = 1.0 + pattern.mottle * grain;
-            for channel in &mut colour[..3] {
+            for channel in &mut paint[..3] {
                 *channel = (*channel * value).clamp(0.0, 1.0);
             }
         }
-        colour
+        paint
     }
 }
 
-/// Colour and tint share of the stops at height `v`, held beyond the first and last.
-fn stop_colour(pattern: &Pattern, v: f32) -> [f32; 4] {
-    let Some(&(first, rgb, tint)) = pattern.stops.first() else {
+/// Color and tint share of the stops at height `v`, held beyond the first and last.
+fn stop_color(pattern: &Pattern, v: f32) -> [f32; 4] {
+    let Some(first) = pattern.stops.first() else {
         return [0.5, 0.5, 0.5, 0.0];
     };
-    let mut last = (first, with_tint(rgb, tint));
-    for &(at, rgb, tint) in &pattern.stops {
-        let here = with_tint(rgb, tint);
+    let mut last = (first.v, with_tint(first.color, first.tint));
+    for stop in &pattern.stops {
+        let (at, here) = (stop.v, with_tint(stop.color, stop.tint));
         if v < at {
             return blend(
                 last.1,
@@ -120,8 +123,8 @@ fn stop_colour(pattern: &Pattern, v: f32) -> [f32; 4] {
 
 impl Pattern {
     /// The pattern as `width` x `height` RGBA bytes over the UV rectangle of `feather`, rows from v = 0 (skin) to 1, each
-    /// row from u = 0 to 1. RGB is sRGB, A the tint share (0 keeps the colour, 255 hands it to the groom). The pattern
-    /// runs on beyond the outline, so that filtering at the rim picks up no foreign colour. Sizes are clamped to 1..4096.
+    /// row from u = 0 to 1. RGB is sRGB, A the tint share (0 keeps the paint, 255 hands it to the groom). The pattern
+    /// runs on beyond the outline, so that filtering at the rim picks up no foreign paint. Sizes are clamped to 1..4096.
     pub fn bake(&self, width: usize, height: usize, feather: &Feather) -> Vec<u8> {
         let (width, height) = (width.clamp(1, 4096), height.clamp(1, 4096));
         let reach = feather.contour.left.iter().chain(&feather.contour.right);
@@ -141,8 +144,8 @@ impl Pattern {
             for column in 0..width {
                 let u = (column as f64 + 0.5) / width as f64;
                 let point = map.canonical([u, v]).map(|x| x as f32);
-                let colour = canvas.colour(self, point);
-                bytes.extend(colour.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8));
+                let paint = canvas.paint(self, point);
+                bytes.extend(paint.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8));
             }
         }
         bytes

@@ -1,6 +1,7 @@
 //! The shaft curve F_P as a natural cubic spline.
 
-use super::{Rachis, map};
+use super::Rachis;
+use crate::maths::card;
 
 /// A natural cubic spline through values at equal steps of 0..1.
 #[derive(Clone, Debug)]
@@ -78,28 +79,28 @@ impl FeatherMap {
 
     /// Canonical point of `uv`.
     pub fn canonical(&self, uv: [f64; 2]) -> [f64; 2] {
-        map::canonical(uv, self.spline.at(uv[1]).0, self.aspect)
+        card::canonical(uv, self.spline.at(uv[1]).0, self.aspect)
     }
 
     /// `uv` of a canonical point.
     pub fn uv(&self, point: [f64; 2]) -> [f64; 2] {
-        map::uv(point, self.spline.at(point[1]).0, self.aspect)
+        card::uv(point, self.spline.at(point[1]).0, self.aspect)
     }
 
     /// Rows of d(canonical)/d(uv) at v.
     pub fn jacobian(&self, v: f64) -> [[f64; 2]; 2] {
-        map::jacobian(self.spline.at(v).1, self.aspect)
+        card::jacobian(self.spline.at(v).1, self.aspect)
     }
 
-    /// Gaussian of a pixel, see [`map::canonical_footprint`].
+    /// Gaussian of a pixel, see [`card::canonical_footprint`].
     pub fn footprint(
         &self,
         uv: [f64; 2],
         duv_dx: [f64; 2],
         duv_dy: [f64; 2],
-    ) -> map::CanonicalFootprint<f64> {
+    ) -> crate::maths::Footprint<f64> {
         let (curve, slope) = self.spline.at(uv[1]);
-        map::canonical_footprint(uv, duv_dx, duv_dy, curve, slope, self.aspect)
+        card::canonical_footprint(uv, duv_dx, duv_dy, curve, slope, self.aspect)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Derived quantities under the names of Table 1, in feather lengths.
 
 use super::{Feather, Vane};
-use crate::query::{self, Real};
+use crate::maths::{Real, card, query};
 
 /// One of the two vanes, seen from the front, tip up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -36,7 +36,13 @@ impl Vane {
         self.barbules.angle.to_radians()
     }
 
-    /// p_b: distance between neighbouring barbs across them, `sin(alpha_b) / N_b`.
+    /// Cotangent of alpha_b.
+    pub fn cotangent(&self) -> f32 {
+        let (sin, cos) = self.alpha_b().sin_cos();
+        card::barb_cotangent(sin, cos)
+    }
+
+    /// p_b: distance between neighboring barbs across them, `sin(alpha_b) / N_b`.
     pub fn p_b(&self) -> f32 {
         self.alpha_b().sin() / self.barb_count
     }
@@ -72,6 +78,16 @@ impl Feather {
         )
     }
 
+    /// The same with where its barbules hook.
+    pub fn card_vane<T: Real>(&self, side: Side) -> query::CardVane<T> {
+        let vane = self.vane(side);
+        query::CardVane {
+            vane: self.query_vane(side),
+            fringe: T::of(f64::from(vane.fringe)),
+            downy: T::of(f64::from(vane.downy)),
+        }
+    }
+
     /// Micrometres as feather lengths.
     pub fn from_um(&self, micrometres: f32) -> f32 {
         micrometres * 1e-3 / self.length_mm
@@ -84,32 +100,32 @@ impl Feather {
 
     /// p_b: barb period across the barbs.
     pub fn p_b(&self, side: Side) -> f32 {
-        self.vane(side).p_b()
+        self.query_vane(side).p_b
     }
 
     /// d_bl: barbule spacing along the barb.
     pub fn d_bl(&self, side: Side) -> f32 {
-        self.from_um(self.vane(side).barbules.spacing_um)
+        self.query_vane(side).d_bl
     }
 
     /// p_bl: barbule period across the barbules, `d_bl sin(alpha_bl)`.
     pub fn p_bl(&self, side: Side) -> f32 {
-        self.d_bl(side) * self.vane(side).alpha_bl().sin()
+        self.query_vane(side).p_bl()
     }
 
     /// r_b.
     pub fn r_b(&self, side: Side) -> f32 {
-        self.from_um(self.vane(side).barb_radius_um)
+        self.query_vane(side).r_b
     }
 
     /// r_bd.
     pub fn r_bd(&self, side: Side) -> f32 {
-        self.from_um(self.vane(side).barbules.distal_radius_um)
+        self.query_vane(side).r_bd
     }
 
     /// r_bp.
     pub fn r_bp(&self, side: Side) -> f32 {
-        self.from_um(self.vane(side).barbules.proximal_radius_um)
+        self.query_vane(side).r_bp
     }
 
     /// r_r at v: the parabola through base, middle and tip, never below 0.

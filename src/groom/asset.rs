@@ -4,44 +4,75 @@
 //! bird's left), in units of `unit` metres. Left and right: data is given for the left half; `mirror` repeats it with x negated
 //! and joint names' `_L` turned into `_R`.
 
-use crate::parameter::Parameter;
-use bevy::{asset::Asset, reflect::Reflect};
+use super::pose::KeyPose;
+use crate::{
+    anatomy::{Down, Feather},
+    asset::{AssetLink, RonAsset},
+    parameter::{Length, Parameter},
+};
+use bevy::{
+    asset::{Asset, UntypedAssetId, VisitAssetDependencies},
+    reflect::{Reflect, std_traits::ReflectDefault},
+};
 use serde::{Deserialize, Serialize};
+
+/// A length in units of the groom.
+const MEASURE: Parameter = Parameter::new("", 1.0e-6, 1.0e6);
+/// A coordinate in units of the groom.
+const PLACE: Parameter = Parameter::new("", -1.0e9, 1.0e9);
+/// A layer key.
+const LAYER: Parameter = Parameter::new("", -1.0e4, 1.0e4);
 
 /// Where feathers grow on one kind of bird; file `*.groom.ron`.
 #[derive(Asset, Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[reflect(Default, Clone, PartialEq)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Groom {
-    /// Format version of the file, [`Groom::VERSION`].
+    /// Format version of the file, [`RonAsset::VERSION`].
     pub version: u32,
     /// Name shown to people.
     pub name: String,
-    /// Metres per length unit of this file (0.001: millimetres).
+    /// Metres per length unit of this file (0.001: millimetres), 1e-9..1e9.
+    #[reflect(@Parameter::new("m", 1.0e-9, 1.0e9))]
     pub unit: f32,
-    /// The feathers worn: asset paths, relative to this file.
-    pub feathers: Vec<String>,
-    /// Tracts of scattered feathers.
+    /// The feathers worn, at most 4096.
+    #[dependency]
+    #[reflect(@Length::new(0, 4096))]
+    pub feathers: Vec<AssetLink<Feather>>,
+    /// Tracts of scattered feathers; with the rows at most 4096.
+    #[dependency]
     pub regions: Vec<Region>,
     /// Strokes along the lay of the plumage, interpolated over the surface.
     pub guides: Vec<Guide>,
     /// Rows of feathers on bones: remiges, rectrices and their coverts.
     pub rows: Vec<Row>,
-    /// Touches of a brush on the skin, laid over each other.
+    /// Touches of a brush on the skin, laid over each other; at most 10,000.
+    #[reflect(@Length::new(0, 10_000))]
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub paint: Vec<Dab>,
+    /// Poses that the bird wears, at most 8: the coat is settled in all of them, the first above all; in bind pose without any.
+    #[reflect(@Length::new(0, 8))]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub poses: Vec<KeyPose>,
 }
 
 /// One touch of a brush: factors on number and length of the feathers around a point, full in the middle, none at the rim.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Dab {
     /// Middle, near the skin.
+    #[reflect(@PLACE)]
     pub at: [f32; 3],
     /// Distance at which it ends; above 0.
+    #[reflect(@MEASURE)]
     pub radius: f32,
     /// Factor on the number of feathers, 0..4 (1 leaves it).
+    #[reflect(@Parameter::new("", 0.0, 4.0))]
     pub density: f32,
     /// Factor on their length, 0.05..4 (1 leaves it).
+    #[reflect(@Parameter::new("", 0.05, 4.0))]
     pub length: f32,
 }
 
@@ -69,11 +100,6 @@ pub fn painted(dabs: &[Dab], point: [f32; 3]) -> (f32, f32) {
     })
 }
 
-impl Groom {
-    /// Version that this crate writes.
-    pub const VERSION: u32 = 1;
-}
-
 /// A value over a tract: from its cranial end (phi 0) to its caudal end (phi 1).
 #[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 pub struct Span(pub f32, pub f32);
@@ -87,35 +113,58 @@ impl Span {
 
 /// Which part of the skin a region is.
 #[derive(Clone, Debug, Default, PartialEq, Reflect, Serialize, Deserialize)]
+#[reflect(no_field_bounds, Default, Clone, PartialEq)]
 pub enum Select {
     /// Everything.
     #[default]
     All,
     /// Triangles whose `TEXCOORD_1.x`, rounded, is this tract number.
     Tract(u32),
-    /// Triangles whose vertex colour is within the distance of the colour (linear RGB, distance).
-    Color([f32; 3], f32),
-    /// Triangles whose vertex colour is nearer to the first colour than to any of the others (linear RGB).
-    Nearest([f32; 3], Vec<[f32; 3]>),
+    /// Triangles whose vertex color is near a color.
+    Color {
+        /// The color, linear RGB.
+        #[reflect(@PLACE)]
+        color: [f32; 3],
+        /// Largest distance in linear RGB, 0..10.
+        #[reflect(@Parameter::new("", 0.0, 10.0))]
+        distance: f32,
+    },
+    /// Triangles whose vertex color is nearer to one color than to any of the others.
+    Nearest {
+        /// The color, linear RGB.
+        #[reflect(@PLACE)]
+        color: [f32; 3],
+        /// The others, linear RGB.
+        #[reflect(@PLACE)]
+        others: Vec<[f32; 3]>,
+    },
     /// Triangles mostly carried by one of the joints named.
     Joints(Vec<String>),
-    /// Triangles inside the box (minimum, maximum).
-    Within([f32; 3], [f32; 3]),
+    /// Triangles inside a box.
+    Within {
+        /// Smallest coordinates.
+        #[reflect(@PLACE)]
+        low: [f32; 3],
+        /// Largest coordinates.
+        #[reflect(@PLACE)]
+        high: [f32; 3],
+    },
     /// Any of these.
-    Any(#[reflect(ignore)] Vec<Select>),
+    Any(Vec<Select>),
     /// All of these.
-    Every(#[reflect(ignore)] Vec<Select>),
-    /// Not this.
-    Not(#[reflect(ignore)] Box<Select>),
+    Every(Vec<Select>),
+    /// None of these.
+    Not(Vec<Select>),
 }
 
 /// How a region is filled.
-#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect, Serialize, Deserialize)]
 pub enum Placement {
     /// Blue noise, denser across the lay.
+    #[default]
     Scatter,
-    /// Staggered rows across the lay: this many.
-    Rows(u32),
+    /// Staggered rows across the lay: this many, 1..10000.
+    Rows(#[reflect(@Parameter::new("rows", 1.0, 10_000.0))] u32),
 }
 
 /// Spread of the random variation, one standard deviation each.
@@ -145,6 +194,19 @@ pub struct Jitter {
     pub value: f32,
 }
 
+impl Jitter {
+    /// No variation.
+    pub const NONE: Self = Self {
+        length: 0.0,
+        width: 0.0,
+        yaw: 0.0,
+        roll: 0.0,
+        lift: 0.0,
+        hue: 0.0,
+        value: 0.0,
+    };
+}
+
 impl Default for Jitter {
     fn default() -> Self {
         Self {
@@ -159,13 +221,44 @@ impl Default for Jitter {
     }
 }
 
-/// Colour for the tintable parts of a feather's albedo, sRGB, over phi.
+/// Color for the tintable parts of a feather's albedo, sRGB, over phi.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 pub struct Tint(pub [f32; 3], pub [f32; 3]);
+
+/// How finely the card of a feather is divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Segments {
+    /// Along the rachis, 1..64.
+    #[reflect(@Parameter::new("", 1.0, 64.0))]
+    pub along: u8,
+    /// Across it, 1..16.
+    #[reflect(@Parameter::new("", 1.0, 16.0))]
+    pub across: u8,
+}
+
+impl Segments {
+    /// This many along and across.
+    pub const fn new(along: u8, across: u8) -> Self {
+        Self { along, across }
+    }
+
+    /// Vertices of a card.
+    pub fn vertices(self) -> u32 {
+        (u32::from(self.along) + 1) * (u32::from(self.across) + 1)
+    }
+}
+
+impl Default for Segments {
+    fn default() -> Self {
+        Self::new(4, 2)
+    }
+}
 
 /// One tract of scattered feathers.
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Region {
     /// Name; part of every feather's seed.
     pub name: String,
@@ -179,8 +272,10 @@ pub struct Region {
     /// How they are placed.
     pub placement: Placement,
     /// Visible length of a feather.
+    #[reflect(@MEASURE)]
     pub length: Span,
     /// Width of a feather.
+    #[reflect(@MEASURE)]
     pub width: Span,
     /// Angle of the rachis to the skin at the root, degrees.
     #[reflect(@Parameter::degrees(-30.0, 89.0))]
@@ -196,25 +291,28 @@ pub struct Region {
     pub stiffness: f32,
     /// Layer key: of two regions that grow side by side the higher lies over the lower. Feathers rooted up the lay lie over those
     /// that they point to, in a region and across its border (see [`super::order`]).
+    #[reflect(@LAYER)]
     pub layer: f32,
-    /// Segments along and columns across of a card.
-    pub segments: (u8, u8),
-    /// Colour.
+    /// How finely a card is divided.
+    pub segments: Segments,
+    /// Color.
+    #[reflect(@Parameter::share())]
     pub tint: Tint,
     /// Random variation.
     #[serde(default)]
     pub jitter: Jitter,
-    /// Down below the feathers: asset path of a [`Down`](crate::down::Down), relative to this file. It shows where they leave the skin
-    /// open.
+    /// Down below the feathers. It shows where they leave the skin open.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub down: Option<String>,
+    pub down: Option<AssetLink<Down>>,
 }
 
 /// A stroke along the lay, root to tip: at least two points near the skin.
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Guide {
-    /// Points.
+    /// Points, 2..4096 of them.
+    #[reflect(@PLACE, @Length::new(2, 4096))]
     pub points: Vec<[f32; 3]>,
     /// Repeat on the other side.
     #[serde(default)]
@@ -227,34 +325,64 @@ pub struct Guide {
 /// One end or bend of a row.
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Station {
     /// Place along the row, 0..1; stations rise.
+    #[reflect(@Parameter::share())]
     pub at: f32,
     /// Root of the feather there.
+    #[reflect(@PLACE)]
     pub root: [f32; 3],
     /// Direction of the rachis there, root to tip.
+    #[reflect(@PLACE)]
     pub direction: [f32; 3],
     /// Normal of the front face there.
+    #[reflect(@PLACE)]
     pub normal: [f32; 3],
-    /// Joints that carry the root, with weights.
-    pub ride: Vec<(String, f32)>,
+    /// Joints that carry the root.
+    pub ride: Vec<JointWeight>,
     /// Joints whose rotation (since bind pose) the feather follows, blended with these weights: this is what fans the row.
-    pub follow: Vec<(String, f32)>,
+    pub follow: Vec<JointWeight>,
+}
+
+/// A joint and how much it counts beside others.
+#[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointWeight {
+    /// Name of the joint.
+    pub joint: String,
+    /// Weight, 0..1000.
+    #[reflect(@Parameter::new("", 0.0, 1.0e3))]
+    pub weight: f32,
+}
+
+impl JointWeight {
+    /// A joint of this weight.
+    pub fn new(joint: impl Into<String>, weight: f32) -> Self {
+        Self {
+            joint: joint.into(),
+            weight,
+        }
+    }
 }
 
 /// A row of feathers on bones. Feather `i` of `n` stands at `i/(n-1)`, its frame interpolated between the stations.
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Row {
     /// Name; part of every feather's seed.
     pub name: String,
     /// Feather worn: index into [`Groom::feathers`].
     pub feather: u16,
-    /// Length of each feather in order, one side; as many as there are feathers.
+    /// Length of each feather in order, one side; as many as there are feathers, 1..512.
+    #[reflect(@MEASURE, @Length::new(1, 512))]
     pub lengths: Vec<f32>,
     /// Width of the first and the last.
+    #[reflect(@MEASURE)]
     pub width: Span,
-    /// Two or more.
+    /// 2..4096 of them.
+    #[reflect(@Length::new(2, 4096))]
     pub stations: Vec<Station>,
     /// Repeat on the other side.
     pub mirror: bool,
@@ -271,14 +399,142 @@ pub struct Row {
     #[reflect(@Parameter::degrees(-180.0, 180.0))]
     pub curl: f32,
     /// Layer key of the first and the last feather.
+    #[reflect(@LAYER)]
     pub layer: Span,
-    /// Distance between the planes of neighbouring feathers along their normal, so that a closed stack never coincides.
+    /// Distance between the planes of neighboring feathers along their normal, so that a closed stack never coincides.
+    #[reflect(@Parameter::new("", -1.0e3, 1.0e3))]
     pub offset: f32,
-    /// Segments along and columns across of a card.
-    pub segments: (u8, u8),
-    /// Colour.
+    /// How finely a card is divided.
+    pub segments: Segments,
+    /// Color.
+    #[reflect(@Parameter::share())]
     pub tint: Tint,
     /// Random variation.
     #[serde(default)]
     pub jitter: Jitter,
+}
+
+/// An empty groom in millimetres.
+impl Default for Groom {
+    fn default() -> Self {
+        Self {
+            version: Self::VERSION,
+            name: "groom".into(),
+            unit: 0.001,
+            feathers: Vec::new(),
+            regions: Vec::new(),
+            guides: Vec::new(),
+            rows: Vec::new(),
+            paint: Vec::new(),
+            poses: Vec::new(),
+        }
+    }
+}
+
+impl VisitAssetDependencies for Region {
+    fn visit_dependencies(&self, visit: &mut impl FnMut(UntypedAssetId)) {
+        if let Some(down) = &self.down {
+            down.visit_dependencies(visit);
+        }
+    }
+}
+
+/// No feathers anywhere; length and width of a small body feather in millimetres.
+impl Default for Region {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            select: Select::All,
+            feather: 0,
+            count: 0,
+            placement: Placement::Scatter,
+            length: Span(20.0, 20.0),
+            width: Span(10.0, 10.0),
+            lift: Span(10.0, 10.0),
+            camber: 0.05,
+            curl: 0.0,
+            stiffness: 0.1,
+            layer: 0.0,
+            segments: Segments::default(),
+            tint: Tint::default(),
+            jitter: Jitter::default(),
+            down: None,
+        }
+    }
+}
+
+impl Region {
+    /// A region of this name on the whole skin, without feathers yet: set `count`, `length` and `width`.
+    pub fn new(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            ..Self::default()
+        }
+    }
+}
+
+impl Default for Tint {
+    fn default() -> Self {
+        Self([0.5; 3], [0.5; 3])
+    }
+}
+
+impl Guide {
+    /// A stroke through these points, for all regions, on one side.
+    pub fn new(points: impl Into<Vec<[f32; 3]>>) -> Self {
+        Self {
+            points: points.into(),
+            mirror: false,
+            regions: Vec::new(),
+        }
+    }
+}
+
+impl Dab {
+    /// A dab that changes nothing yet: set `density` or `length`.
+    pub fn new(at: [f32; 3], radius: f32) -> Self {
+        Self {
+            at,
+            radius,
+            density: 1.0,
+            length: 1.0,
+        }
+    }
+}
+
+impl Station {
+    /// A feather's frame at a place along the row, carried by no joint yet.
+    pub fn new(at: f32, root: [f32; 3], direction: [f32; 3], normal: [f32; 3]) -> Self {
+        Self {
+            at,
+            root,
+            direction,
+            normal,
+            ride: Vec::new(),
+            follow: Vec::new(),
+        }
+    }
+}
+
+impl Row {
+    /// A row of this name with feathers of these lengths between these stations, on one side.
+    pub fn new(name: impl Into<String>, lengths: Vec<f32>, stations: Vec<Station>) -> Self {
+        Self {
+            name: name.into(),
+            feather: 0,
+            lengths,
+            width: Span(10.0, 10.0),
+            stations,
+            mirror: false,
+            handed: false,
+            lift: Span(0.0, 0.0),
+            camber: 0.05,
+            curl: 0.0,
+            layer: Span(0.0, 0.0),
+            offset: 0.0,
+            segments: Segments::default(),
+            tint: Tint::default(),
+            jitter: Jitter::default(),
+        }
+    }
 }

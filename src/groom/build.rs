@@ -5,19 +5,25 @@ use super::{
     card::{Card, CardGeometry},
     drape::{Shape, drape, rise},
     error::GroomError,
+    fan::fan_transform,
+    field::{Field, Follicle},
     lay::{arc_length, lay_field},
     layer,
     leaf::{Leaf, vary},
     mesh::build_mesh,
     order::order,
-    press::press,
     rows::{FanJoint, RowContext},
-    scatter::{Field, Follicle, scatter},
-    seed::{Stream, name_hash, place_hash},
+    scatter::scatter,
     select::select_triangles,
+    settle::settle,
     skin::{SkinMesh, Weights, blend_weights},
 };
-use bevy::{math::Vec3, mesh::Mesh};
+use crate::asset::RonAsset;
+use crate::maths::seed::{Stream, name_hash, place_hash};
+use bevy::{
+    math::{Affine3A, Vec3},
+    mesh::Mesh,
+};
 use std::collections::HashMap;
 
 /// A bird to be feathered.
@@ -45,12 +51,12 @@ pub struct Coat {
     /// Pairs of feathers that still cross, see [`layer::settle`].
     pub crossings: layer::Crossings,
     /// Tracts with down below the feathers.
-    pub ground: Vec<Ground>,
+    pub down: Vec<DownTract>,
 }
 
 /// The skin of a tract that carries down.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ground {
+pub struct DownTract {
     /// Index of the region.
     pub region: usize,
     /// Which triangles of the skin are its own.
@@ -67,8 +73,8 @@ const BEFORE: f32 = 0.25;
 const VANE_SHARE: f32 = 0.7;
 
 /// Measures the cover of every tract: each feather's area goes to the triangles that it lies over, row by row.
-fn measure_cover(skin: &SkinMesh, leaves: &[Leaf], ground: &mut [Ground]) {
-    if ground.is_empty() {
+fn measure_cover(skin: &SkinMesh, leaves: &[Leaf], down: &mut [DownTract]) {
+    if down.is_empty() {
         return;
     }
     let mut covered = vec![0.0_f32; skin.triangles.len()];
@@ -79,7 +85,7 @@ fn measure_cover(skin: &SkinMesh, leaves: &[Leaf], ground: &mut [Ground]) {
             covered[below.triangle as usize] += share;
         }
     }
-    for tract in ground {
+    for tract in down {
         let (mut sum, mut area) = (0.0, 0.0);
         for (triangle, _) in tract.triangles.iter().enumerate().filter(|(_, own)| **own) {
             sum += covered[triangle];
@@ -93,7 +99,7 @@ fn measure_cover(skin: &SkinMesh, leaves: &[Leaf], ground: &mut [Ground]) {
 /// those in regions against it, so that cover stays; 0.01..=16, clamped.
 ///
 /// # Errors
-/// [`GroomError::Value`] if the groom is damaged, [`GroomError::Skin`] if the skin has no triangle.
+/// [`GroomError::Asset`] if the groom is damaged, [`GroomError::Skin`] if the skin has no triangle.
 pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result<Coat, GroomError> {
     groom.validate(&groom.name)?;
     let skin = &bird.skin;
@@ -108,10 +114,12 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
     } else {
         1.0
     };
-    groom.check_size(&groom.name, density)?;
+    groom
+        .check_size(density)
+        .map_err(|error| error.in_file(&groom.name))?;
     let mut warnings = Vec::new();
-    let mut ground = Vec::new();
-    let mut leaves = regions(bird, groom, seed, density, &mut warnings, &mut ground);
+    let mut down = Vec::new();
+    let mut leaves = regions(bird, groom, seed, density, &mut warnings, &mut down);
     let skinned = !bird.joints.is_empty() && !skin.weights.is_empty();
     let names = if skinned { &bird.joints[..] } else { &[] };
     let scattered = leaves.len();
@@ -131,10 +139,10 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
             fans.extend(row_fans);
         }
     }
-    measure_cover(skin, &leaves, &mut ground);
-    order(&mut leaves);
+    measure_cover(skin, &leaves, &mut down);
+    order(&mut leaves, scattered);
     let crossings = layer::settle(&mut leaves[..scattered]);
-    press(&mut leaves, scattered);
+    press(bird, groom, skinned, &fans, &mut leaves);
     warnings.extend(
         missing
             .iter()
@@ -149,8 +157,31 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
         fans,
         warnings,
         crossings,
-        ground,
+        down,
     })
+}
+
+/// Presses the feathers over each other in the poses that the groom says are worn, or in bind pose.
+fn press(bird: &Bird, groom: &Groom, skinned: bool, fans: &[FanJoint], leaves: &mut [Leaf]) {
+    let worn = groom.poses.iter().filter(|_| skinned).map(|pose| {
+        let body = pose.skinning(&bird.joints, groom.unit);
+        let rows = fans
+            .iter()
+            .map(|fan| fan_transform(fan, &body) * Affine3A::from_mat4(fan.inverse_bind()));
+        body.iter().copied().chain(rows).collect::<Vec<_>>()
+    });
+    let mut worn: Vec<Vec<Affine3A>> = worn.collect();
+    if worn.is_empty() {
+        worn.push(Vec::new());
+    }
+    let heights = settle(leaves, &worn);
+    let mut rest = heights.as_slice();
+    for leaf in leaves {
+        let count = leaf.shaft.points.len() * (leaf.columns + 1);
+        let (own, others) = rest.split_at(count.min(rest.len()));
+        leaf.raised = own.to_vec();
+        rest = others;
+    }
 }
 
 /// Smallest distance between two different layer keys of the regions, at most 1: the room that each has for its own order.
@@ -169,7 +200,7 @@ fn regions(
     seed: u64,
     density: f32,
     warnings: &mut Vec<String>,
-    ground: &mut Vec<Ground>,
+    down: &mut Vec<DownTract>,
 ) -> Vec<Leaf> {
     let skin = &bird.skin;
     let masks: Vec<Vec<bool>> = groom
@@ -216,7 +247,7 @@ fn regions(
             (lay, arc)
         });
         if region.down.is_some() {
-            ground.push(Ground {
+            down.push(DownTract {
                 region: number,
                 triangles: mask.clone(),
                 lay: lay.clone(),
@@ -344,9 +375,9 @@ fn feather(
         lift,
         curl: region.curl.to_radians(),
         stiffness: region.stiffness,
-        // Neighbours of one row lie at slightly different heights, so that one side always covers the other.
+        // Neighbors of one row lie at slightly different heights, so that one side always covers the other.
         clearance: clearance + 0.012 * width * draw.uniform(),
-        segments: usize::from(region.segments.0),
+        segments: usize::from(region.segments.along),
     };
     // A default lay parts along the front edges of wings and over foreheads, where nothing lies over the roots: feathers that
     // begin a little before their place cover them.
@@ -358,7 +389,7 @@ fn feather(
     };
     let shaft = drape(skin, lay, root, &shape);
     let root: Weights = skin.joint_weights(root);
-    // Towards the tip a feather goes more and more with the skin below it, so that neighbours stay in order; but a long one that lies
+    // Towards the tip a feather goes more and more with the skin below it, so that neighbors stay in order; but a long one that lies
     // over a wing must not be carried off with it.
     let weights = if root.1[0] > 0.0 {
         let last = (shaft.below.len() - 1).max(1) as f32;
@@ -395,7 +426,7 @@ fn feather(
         shaft,
         weights,
         camber: region.camber,
-        columns: usize::from(region.segments.1),
+        columns: usize::from(region.segments.across),
         raised: Vec::new(),
     }
 }

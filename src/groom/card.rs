@@ -29,7 +29,7 @@ pub struct Card {
     pub region: u16,
     /// Layer: a higher one lies over a lower one.
     pub layer: f32,
-    /// Colour the groom gives to the tintable parts of the albedo, linear RGB.
+    /// Color the groom gives to the tintable parts of the albedo, linear RGB.
     pub tint: [f32; 3],
     /// Hash of bird seed, region name and place: stays with the feather when others are added.
     pub seed: u32,

@@ -67,7 +67,7 @@ pub fn arc(along: Vec3, normal: Vec3, curl: f32, length: f32, x: f32) -> Vec3 {
     (along * sine - normal * versine) * length
 }
 
-/// Traces one shaft from its root. The bird study, section 4.4.
+/// Traces one shaft from its root. Derived in docs/book/birds.md#drape.
 pub fn drape(skin: &SkinMesh, lay: &[Vec3], root: SurfacePoint, shape: &Shape) -> Shaft {
     let segments = shape.segments.clamp(1, 64);
     let trace = trace(skin, lay, root, shape, segments);
@@ -86,7 +86,7 @@ pub fn drape(skin: &SkinMesh, lay: &[Vec3], root: SurfacePoint, shape: &Shape) -
             let draped = step.position + step.normal * (base + shape.length * slope * rise(x));
             let own = origin + normal * base + arc(free, free_normal, shape.curl, shape.length, x);
             let mixed = draped.lerp(own, shape.stiffness.clamp(0.0, 1.0));
-            // The line of a stiff feather may not cut into the skin nor sink below its own tail-ward neighbours.
+            // The line of a stiff feather may not cut into the skin nor sink below its own tail-ward neighbors.
             let floor = base + shape.length * slope.max(0.0) * 0.5 * rise(x);
             let height = (mixed - step.position).dot(step.normal);
             if step.on_skin && height < floor {

@@ -1,7 +1,7 @@
 //! The groom of a mesh that nobody has groomed.
 
 use super::{
-    asset::{Groom, Jitter, Placement, Region, Select, Span, Tint},
+    asset::{Groom, Region, Segments, Select, Span, Tint},
     select::select_triangles,
     skin::SkinMesh,
 };
@@ -25,7 +25,7 @@ const MOST: f32 = 12_000.0;
 const MOST_REGIONS: usize = 48;
 /// Smallest share of the skin that makes a region.
 const SMALLEST: f32 = 0.004;
-/// Colour where the mesh has none, sRGB.
+/// Color where the mesh has none, sRGB.
 const NEUTRAL: [f32; 3] = [0.50, 0.41, 0.32];
 
 /// A part of the skin with one look.
@@ -40,7 +40,7 @@ impl Groom {
     /// A groom for any skin, which a [`super::Plumage`] without a groom of its own gets. `joints` are the names of the skin's joints.
     ///
     /// Regions are taken from the first of these that the mesh has: tract numbers (a second set of texture coordinates whose x
-    /// are whole numbers), vertex colours (2 to 48 of them; they also tint the feathers), joints with names of their own, or nothing:
+    /// are whole numbers), vertex colors (2 to 48 of them; they also tint the feathers), joints with names of their own, or nothing:
     /// one region. What none of them takes is a region too. Feathers are 0.04 of the mesh's diagonal long, shorter on small regions
     /// (thin limbs), about five layers deep, at most 12,000; they lie towards -z and -y (glTF: backwards and down).
     pub fn fallback(skin: &SkinMesh, joints: &[String]) -> Self {
@@ -74,11 +74,8 @@ impl Groom {
             let length = length * larger.sqrt();
             let count = (wanted / larger).round().clamp(1.0, MOST) as u32;
             Region {
-                name: part.name,
                 select: part.select,
-                feather: 0,
                 count,
-                placement: Placement::Scatter,
                 length: Span(length, length),
                 width: Span(WIDTH * length, WIDTH * length),
                 lift: Span(12.0, 12.0),
@@ -86,21 +83,17 @@ impl Groom {
                 curl: 6.0,
                 stiffness: 0.2,
                 layer: 1.0,
-                segments: (4, 2),
+                segments: Segments::new(4, 2),
                 tint: Tint(part.color, part.color),
-                jitter: Jitter::default(),
-                down: None,
+                ..Region::new(part.name)
             }
         };
         Self {
-            version: Self::VERSION,
             name: "fallback".into(),
             unit,
             feathers: vec!["feathers/contour.feather.ron".into()],
             regions: parts.into_iter().map(region).collect(),
-            guides: Vec::new(),
-            rows: Vec::new(),
-            paint: Vec::new(),
+            ..Self::default()
         }
     }
 }
@@ -130,7 +123,7 @@ fn parts(skin: &SkinMesh, joints: &[String]) -> Vec<Part> {
             .map_or(NEUTRAL, |part| part.color);
         parts.push(Part {
             name: "rest".into(),
-            select: Select::Not(Box::new(Select::Any(rest))),
+            select: Select::Not(rest),
             area: all - taken,
             color,
         });
@@ -207,15 +200,18 @@ fn by_color(skin: &SkinMesh) -> Option<Vec<Part>> {
             sum / f32::max(total, f32::MIN_POSITIVE)
         })
         .collect();
-    // Every triangle to the colour nearest to it, so that none stays bare between two kinds.
+    // Every triangle to the color nearest to it, so that none stays bare between two kinds.
     let mut parts: Vec<Part> = Vec::with_capacity(centers.len());
     for (number, color) in centers.iter().enumerate() {
         let others = centers.iter().filter(|other| *other != color);
-        let select = Select::Nearest(color.to_array(), others.map(|c| c.to_array()).collect());
+        let select = Select::Nearest {
+            color: color.to_array(),
+            others: others.map(|c| c.to_array()).collect(),
+        };
         let taken = select_triangles(&select, skin, &[], 1.0);
         let area = skin.areas.iter().zip(&taken).filter(|(_, taken)| **taken);
         parts.push(Part {
-            name: format!("colour {number}"),
+            name: format!("color {number}"),
             select,
             area: area.map(|(area, _)| area).sum(),
             color: srgb(*color),

@@ -1,4 +1,4 @@
-//! A grid of points for neighbour queries; its answers come in a fixed order.
+//! A grid of points for neighbor queries; its answers come in a fixed order.
 
 use bevy::{
     math::{IVec3, Vec3},

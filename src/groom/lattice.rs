@@ -2,10 +2,10 @@
 
 use super::{
     asset::Region,
-    scatter::{Field, Follicle},
-    seed::Stream,
+    field::{Field, Follicle},
     skin::SurfacePoint,
 };
+use crate::maths::seed::Stream;
 use bevy::math::Vec3;
 use std::collections::HashMap;
 

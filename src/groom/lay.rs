@@ -1,9 +1,7 @@
 //! The lay of the plumage: a tangent direction at every node of the skin, interpolated from guides.
 
-use super::{asset::Guide, skin::SkinMesh};
+use super::{asset::Guide, nearest::PointTree, skin::SkinMesh};
 use bevy::math::{Quat, Vec3};
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
-use std::num::NonZero;
 
 /// Guide segments blended at a node.
 const NEAREST: usize = 8;
@@ -33,7 +31,7 @@ pub fn tangent(direction: Vec3, normal: Vec3) -> Option<Vec3> {
 
 /// Unit tangent of the lay at each node. `unit`: metres per unit of the guides.
 ///
-/// Each node blends the eight nearest guide strokes by 1/(d^3 + e^3) (the bird study, section 4.3). A stroke is carried from
+/// Each node blends the eight nearest guide strokes by 1/(d^3 + e^3) (docs/book/birds.md#lay). A stroke is carried from
 /// the normal of the skin below it to the node's normal, and counts less the more these differ: so the upper face of a wing
 /// does not follow the guides of the lower.
 pub fn lay_field<'a>(
@@ -55,14 +53,7 @@ pub fn lay_field<'a>(
             .or_else(|| tangent(Vec3::NEG_Y, normal))
             .unwrap_or_else(|| normal.any_orthonormal_vector())
     };
-    let tree: Option<ImmutableKdTree<f32, 3>> = ImmutableKdTree::new_from_slice(
-        &strokes
-            .iter()
-            .map(|stroke| stroke.middle.to_array())
-            .collect::<Vec<_>>(),
-    )
-    .ok();
-    let Some(tree) = tree.filter(|_| !strokes.is_empty()) else {
+    if strokes.is_empty() {
         let nodes = skin.nodes.iter().zip(&skin.normals);
         let mut field: Vec<Vec3> = nodes
             .map(|(node, normal)| default(*node, *normal))
@@ -70,20 +61,17 @@ pub fn lay_field<'a>(
         let reach = EVEN * (high - low).length() / skin.mean_edge().max(f32::MIN_POSITIVE);
         smooth(skin, &mut field, (reach * reach).clamp(8.0, 400.0) as usize);
         return field;
-    };
+    }
+    let tree = PointTree::new(strokes.iter().map(|stroke| stroke.middle));
     let near = (skin.mean_edge() * 0.5).powi(3);
-    let nearest = NonZero::new(NEAREST.min(strokes.len())).unwrap_or(NonZero::<usize>::MIN);
     let mut field: Vec<Vec3> = skin
         .nodes
         .iter()
         .zip(&skin.normals)
         .map(|(node, &normal)| {
-            let found = tree
-                .query(&node.to_array())
-                .nearest_n::<SquaredEuclidean<f32>>(nearest)
-                .execute();
-            let sum = found.into_iter().fold(Vec3::ZERO, |sum, item| {
-                let stroke = &strokes[item.item as usize];
+            let found = tree.nearest(*node, NEAREST);
+            let sum = found.into_iter().fold(Vec3::ZERO, |sum, found| {
+                let stroke = &strokes[found.number as usize];
                 let facing = (0.5 + 0.5 * stroke.normal.dot(normal)).clamp(0.02, 1.0);
                 // Carried round more than a quarter turn a direction means nothing (over the chin it would come out reversed).
                 let carried = if stroke.normal.dot(normal) > 0.3 {
@@ -91,7 +79,7 @@ pub fn lay_field<'a>(
                 } else {
                     stroke.direction
                 };
-                sum + carried * (facing * facing / (item.distance.max(0.0).powf(1.5) + near))
+                sum + carried * (facing * facing / (found.squared.powf(1.5) + near))
             });
             tangent(sum, normal).unwrap_or_else(|| default(*node, normal))
         })
@@ -113,7 +101,7 @@ fn smooth(skin: &SkinMesh, field: &mut Vec<Vec3>, passes: usize) {
     let mut next = field.clone();
     for _ in 0..passes {
         for (node, value) in next.iter_mut().enumerate() {
-            let ring = skin.neighbours(node);
+            let ring = skin.neighbors(node);
             let mean = ring
                 .iter()
                 .fold(Vec3::ZERO, |sum, &other| sum + field[other as usize])
@@ -152,19 +140,12 @@ fn strokes<'a>(skin: &SkinMesh, guides: impl Iterator<Item = &'a Guide>, unit: f
             }
         }
     }
-    if strokes.is_empty() {
-        return strokes;
-    }
-    let nodes: Vec<[f32; 3]> = skin.nodes.iter().map(|node| node.to_array()).collect();
-    let Ok(tree) = ImmutableKdTree::<f32, 3>::new_from_slice(&nodes) else {
-        return Vec::new();
-    };
+    let tree = PointTree::new(skin.nodes.iter().copied());
     for stroke in &mut strokes {
-        let found = tree
-            .query(&stroke.middle.to_array())
-            .nearest_one::<SquaredEuclidean<f32>>()
-            .execute();
-        stroke.normal = skin.normals[found.item as usize];
+        let Some(node) = tree.nearest(stroke.middle, 1).first().copied() else {
+            continue;
+        };
+        stroke.normal = skin.normals[node.number as usize];
         stroke.direction = tangent(stroke.direction, stroke.normal).unwrap_or(stroke.direction);
     }
     strokes
@@ -177,7 +158,7 @@ pub fn arc_length(skin: &SkinMesh, field: &[Vec3]) -> Vec<f32> {
     let apply = |x: &[f32]| -> Vec<f32> {
         (0..count)
             .map(|i| {
-                skin.neighbours(i)
+                skin.neighbors(i)
                     .iter()
                     .map(|&j| x[i] - x[j as usize])
                     .sum()
@@ -186,7 +167,7 @@ pub fn arc_length(skin: &SkinMesh, field: &[Vec3]) -> Vec<f32> {
     };
     let target: Vec<f32> = (0..count)
         .map(|i| {
-            let edges = skin.neighbours(i).iter();
+            let edges = skin.neighbors(i).iter();
             -edges
                 .map(|&j| {
                     (skin.nodes[j as usize] - skin.nodes[i]).dot(field[i] + field[j as usize]) * 0.5

@@ -1,9 +1,9 @@
 //! Which feather lies over which, and the settling of those that cross.
 //!
 //! Draping alone orders feathers of one tract (see [`super::drape::rise`]). Where tracts meet, where the lay bends and where
-//! chance lifts one feather and presses its neighbour, feathers can still poke through those that cover them. Here neighbours
-//! turn about their roots, the upper up and the lower down, and then bend where they still touch, until they part (the bird study,
-//! section 4.5).
+//! chance lifts one feather and presses its neighbor, feathers can still poke through those that cover them. Here neighbors
+//! turn about their roots, the upper up and the lower down, and then bend where they still touch, until they part
+//! (docs/book/birds.md#settling).
 
 use super::{grid::PointGrid, leaf::Leaf};
 use bevy::math::{Vec2, Vec3};
@@ -27,7 +27,7 @@ const HIGHEST: Vec2 = Vec2::new(0.11, 0.2);
 /// Depth, in widths, below which two feathers count as touching (0.2 mm on a contour feather).
 const TOUCH: f32 = 0.01;
 
-/// Pairs of neighbouring feathers that were compared, and those that still cross.
+/// Pairs of neighboring feathers that were compared, and those that still cross.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Crossings {
     /// Pairs of feathers of which one covers a part of the other.
@@ -166,7 +166,7 @@ fn bend(leaves: &[Leaf], contacts: &mut [Contact], turns: &[Vec2]) -> Vec<Vec<f3
     heights
 }
 
-/// Moves a point of a shaft up, its neighbours a third as far, within limits; the root stays.
+/// Moves a point of a shaft up, its neighbors a third as far, within limits; the root stays.
 fn lift(heights: &mut [f32], floors: &[f32], point: usize, by: f32, reach: f32) {
     let unit = reach / point.max(1) as f32;
     let last = (point + 1).min(heights.len() - 1);

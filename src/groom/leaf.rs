@@ -69,7 +69,7 @@ impl Leaf {
     }
 }
 
-/// Colour of a feather at phi, varied: linear RGB. `hue` in degrees, `value` relative.
+/// Color of a feather at phi, varied: linear RGB. `hue` in degrees, `value` relative.
 pub fn vary(tint: Tint, phi: f32, hue: f32, value: f32) -> [f32; 3] {
     let mixed: [f32; 3] =
         std::array::from_fn(|i| tint.0[i] + (tint.1[i] - tint.0[i]) * phi.clamp(0.0, 1.0));

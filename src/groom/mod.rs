@@ -2,48 +2,61 @@
 //!
 //! The way from a groom to cards, each step a module: the skin is taken from the bird's meshes ([`skin`]) and divided into
 //! regions ([`select`]); guides give it a lay ([`lay`]); follicles are placed ([`scatter`], [`lattice`]); each feather's shaft is
-//! draped over the skin ([`drape`]), put in order ([`order`]) and settled among its neighbours ([`layer`], [`press`]); rows of flight feathers get joints of their
-//! own ([`rows`], moved by [`fan`]); all become one mesh ([`mesh`]). [`groom_bird`] runs these without an app;
+//! draped over the skin ([`drape`]), put in order ([`order`]) and settled among its neighbors ([`layer`], [`settle`]); rows of
+//! flight feathers get joints of their own ([`rows`], moved by [`fan`]); all become one mesh ([`mesh`]). [`groom_bird`] runs these without an app;
 //! [`GroomPlugin`] runs it for every entity with a [`Plumage`], off the main thread.
+//!
+//! What decides where a feather grows and how it lies lives here. It may use `anatomy` and `maths`; it may not know materials,
+//! shaders or the GPU.
 
 mod asset;
 mod build;
 mod card;
-pub mod crossing;
+mod carried;
+mod coats;
+mod component;
+mod contact;
 pub mod drape;
 mod error;
 mod fallback;
 pub mod fan;
-mod grid;
+mod field;
+pub mod grid;
 pub mod lattice;
 pub mod lay;
 pub mod layer;
 mod leaf;
-mod loader;
 pub mod mesh;
+mod nearest;
 pub mod order;
 mod plumage;
-pub mod press;
+mod pose;
 pub mod rows;
 pub mod scatter;
-pub mod seed;
 pub mod select;
+pub mod settle;
 pub mod skin;
+mod skin_meshes;
+mod v1;
 mod validate;
 
 pub use asset::{
-    Dab, Groom, Guide, Jitter, Placement, Region, Row, Select, Span, Station, Tint, painted,
+    Dab, Groom, Guide, Jitter, JointWeight, Placement, Region, Row, Segments, Select, Span,
+    Station, Tint, painted,
 };
-pub use build::{Bird, Coat, Ground, groom_bird};
+pub use build::{Bird, Coat, DownTract, groom_bird};
 pub use card::{Card, CardGeometry};
+pub use component::{
+    CardRegion, DownTracts, FeathersOf, NotSkin, Plumage, PlumageCards, PlumageFailed,
+    PlumageParts, PlumageReady, PlumageState, PlumageSystems,
+};
 pub use error::GroomError;
 pub use fan::{FanJoints, fan_rows, fan_transform};
 pub use layer::Crossings;
 pub use leaf::Leaf;
-pub use loader::{GroomLoader, GroomSaver};
-pub use plumage::{
-    GroomPlugin, GroomSystems, Plumage, PlumageCards, PlumageGround, PlumageOutput, PlumageRepeat,
-    PlumageState,
-};
+#[cfg(any(feature = "inspector", feature = "internals"))]
+pub use nearest::PointTree;
+pub use plumage::GroomPlugin;
+pub use pose::{JointPose, KeyPose};
 pub use rows::FanJoint;
 pub use skin::SkinMesh;

@@ -4,14 +4,14 @@
 //! a joint of its own, which [`super::fan`] moves every frame.
 
 use super::{
-    asset::{Row, Station},
+    asset::{JointWeight, Row, Station},
     card::Card,
     drape::{Shaft, arc},
     lay::tangent,
     leaf::{Leaf, vary},
-    seed::{Stream, mix, name_hash},
     skin::{SkinMesh, SurfacePoint},
 };
+use crate::maths::seed::{Stream, mix, name_hash};
 use bevy::math::{Mat3, Mat4, Quat, Vec3};
 
 /// A joint that carries one feather of a row.
@@ -78,22 +78,22 @@ pub fn mirror_name(name: &str) -> String {
 fn blend_names(
     stations: (&Station, &Station),
     t: f32,
-    pick: fn(&Station) -> &Vec<(String, f32)>,
+    pick: fn(&Station) -> &Vec<JointWeight>,
     mirrored: bool,
 ) -> Vec<(String, f32)> {
     let mut list: Vec<(String, f32)> = Vec::new();
     for (station, share) in [(stations.0, 1.0 - t), (stations.1, t)] {
         let weights = pick(station);
-        let total: f32 = weights.iter().map(|(_, weight)| weight).sum();
-        for (name, weight) in weights {
+        let total: f32 = weights.iter().map(|ride| ride.weight).sum();
+        for JointWeight { joint, weight } in weights {
             let value = weight * share / total.max(f32::MIN_POSITIVE);
             if value <= 0.0 || !value.is_finite() {
                 continue;
             }
             let name = if mirrored {
-                mirror_name(name)
+                mirror_name(joint)
             } else {
-                name.clone()
+                joint.clone()
             };
             match list.iter_mut().find(|(known, _)| *known == name) {
                 Some((_, sum)) => *sum += value,
@@ -235,7 +235,7 @@ impl RowContext<'_> {
         };
         let frame =
             Quat::from_mat3(&Mat3::from_cols(along.cross(normal), along, normal)).normalize();
-        let segments = usize::from(row.segments.0).clamp(1, 64);
+        let segments = usize::from(row.segments.along).clamp(1, 64);
         let curl = row.curl.to_radians();
         let points = (0..=segments)
             .map(|i| root + arc(along, normal, curl, length, i as f32 / segments as f32))
@@ -287,7 +287,7 @@ impl RowContext<'_> {
             below,
             across: 0.0,
         };
-        let columns = usize::from(row.segments.1).clamp(1, 16);
+        let columns = usize::from(row.segments.across).clamp(1, 16);
         let leaf = Leaf {
             card,
             shaft,

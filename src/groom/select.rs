@@ -19,14 +19,14 @@ pub fn select_triangles(
             skin.tract(t)
                 .is_some_and(|tract| i64::from(tract) == i64::from(*number))
         }),
-        Select::Color(color, distance) => {
+        Select::Color { color, distance } => {
             let wanted = Vec3::from_array(*color);
             each(&|t| mean_color(skin, t).is_some_and(|mean| mean.distance(wanted) <= *distance))
         }
-        Select::Nearest(color, others) => each(&|t| {
+        Select::Nearest { color, others } => each(&|t| {
             mean_color(skin, t).is_some_and(|mean| {
                 let away = |color: &[f32; 3]| mean.distance_squared(Vec3::from_array(*color));
-                // The smaller colour takes what lies between two, so that none is two regions'.
+                // The smaller color takes what lies between two, so that none is two regions'.
                 let nearer = |other| (away(color), color) < (away(other), other);
                 others.iter().all(nearer)
             })
@@ -45,7 +45,7 @@ pub fn select_triangles(
                 share.map(|(_, weight)| weight).sum::<f32>() > 1.5
             })
         }
-        Select::Within(low, high) => {
+        Select::Within { low, high } => {
             let (low, high) = (
                 Vec3::from_array(*low) * unit,
                 Vec3::from_array(*high) * unit,
@@ -60,14 +60,14 @@ pub fn select_triangles(
         }
         Select::Any(list) => combine(list, skin, joints, unit, false, |a, b| a || b),
         Select::Every(list) => combine(list, skin, joints, unit, true, |a, b| a && b),
-        Select::Not(inner) => select_triangles(inner, skin, joints, unit)
+        Select::Not(list) => combine(list, skin, joints, unit, false, |a, b| a || b)
             .into_iter()
             .map(|taken| !taken)
             .collect(),
     }
 }
 
-/// Mean colour of a triangle's corners, linear RGB; `None` where the skin has none.
+/// Mean color of a triangle's corners, linear RGB; `None` where the skin has none.
 fn mean_color(skin: &SkinMesh, triangle: u32) -> Option<Vec3> {
     let corners = skin.triangles.get(triangle as usize)?;
     let mut sum = Vec3::ZERO;

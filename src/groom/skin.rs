@@ -1,4 +1,4 @@
-//! The skin feathers grow on: triangles with tract, phi, colour and joint weights, taken from Bevy meshes.
+//! The skin feathers grow on: triangles with tract, phi, color and joint weights, taken from Bevy meshes.
 //!
 //! Vertices that coincide are welded into *nodes*, so that seams of normals or texture coordinates do not tear the fields
 //! that live on the surface (lay, height). Nothing is assumed about the scale, the topology or the attributes present.
@@ -29,7 +29,7 @@ pub struct SkinMesh {
     pub positions: Vec<Vec3>,
     /// Tract number and phi of each vertex (`TEXCOORD_1`); empty if the mesh has none.
     pub tract_phi: Vec<[f32; 2]>,
-    /// Linear colour of each vertex; empty if the mesh has none.
+    /// Linear color of each vertex; empty if the mesh has none.
     pub colors: Vec<[f32; 3]>,
     /// Joints and weights of each vertex; empty if the mesh is not skinned.
     pub weights: Vec<Weights>,
@@ -48,7 +48,7 @@ pub struct SkinMesh {
     /// Triangles around each node, in compressed rows: `around[starts[n]..starts[n + 1]]`.
     starts: Vec<u32>,
     around: Vec<u32>,
-    /// Neighbouring nodes of each node, likewise.
+    /// Neighboring nodes of each node, likewise.
     edge_starts: Vec<u32>,
     edges: Vec<u32>,
 }
@@ -246,7 +246,7 @@ impl SkinMesh {
     }
 
     /// Nodes that share an edge with this one.
-    pub fn neighbours(&self, node: usize) -> &[u32] {
+    pub fn neighbors(&self, node: usize) -> &[u32] {
         &self.edges[self.edge_starts[node] as usize..self.edge_starts[node + 1] as usize]
     }
 
@@ -327,7 +327,7 @@ impl SkinMesh {
         blend_weights(parts.map(|(vertex, share)| (self.weights[vertex as usize], share)))
     }
 
-    /// Closest point to `target` that is reached from `start` by walking downhill over neighbouring triangles. Unlike the
+    /// Closest point to `target` that is reached from `start` by walking downhill over neighboring triangles. Unlike the
     /// closest point of the whole skin it never jumps to the other face of a thin sheet.
     pub fn walk(&self, start: u32, target: Vec3) -> SurfacePoint {
         let (mut best, mut inside) = self.closest_on(start, target);

@@ -9,7 +9,7 @@ pub enum Command {
     Undo,
     /// One step forward.
     Redo,
-    /// Back to the preset of the same name.
+    /// Back to what was last saved.
     Reset,
     /// Write the file; `overwrite` also when somebody else has changed it.
     Save {

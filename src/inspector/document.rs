@@ -1,56 +1,24 @@
 //! A feather or groom being edited: its history, its file, and what to compare it with. No app, no window.
 
 use super::history::History;
-use crate::{anatomy::Feather, groom::Groom};
+use crate::{
+    anatomy::Feather,
+    asset::{RonAsset, write_whole},
+    groom::Groom,
+};
 use std::{
-    fs,
-    io::{self, Write},
+    fs, io,
     path::{Path, PathBuf},
 };
 use thiserror::Error;
 
 /// An asset that the inspector edits and keeps in a text file.
-pub trait Editable: Clone + PartialEq {
-    /// What its files end in.
-    const EXTENSION: &'static str;
-
-    /// Reads it from the text of a file; `file` is for messages.
-    ///
-    /// # Errors
-    /// What is wrong and where, as text for people.
-    fn from_text(text: &str, file: &str) -> Result<Self, String>;
-
-    /// Writes it as the text of a file.
-    ///
-    /// # Errors
-    /// Which value keeps it from being read back.
-    fn to_text(&self) -> Result<String, String>;
-
-    /// Whether the renderer can take it.
-    ///
-    /// # Errors
-    /// The first field that is wrong.
-    fn check(&self) -> Result<(), String>;
-
+pub trait Editable: RonAsset + Clone + PartialEq {
     /// Takes over what files do not hold from another state of the same asset.
     fn keep_handles(&mut self, _other: &Self) {}
 }
 
 impl Editable for Feather {
-    const EXTENSION: &'static str = "feather.ron";
-
-    fn from_text(text: &str, file: &str) -> Result<Self, String> {
-        Self::from_ron(text.as_bytes(), file).map_err(|error| error.to_string())
-    }
-
-    fn to_text(&self) -> Result<String, String> {
-        self.to_ron().map_err(|error| error.to_string())
-    }
-
-    fn check(&self) -> Result<(), String> {
-        self.validate().map_err(|error| error.to_string())
-    }
-
     fn keep_handles(&mut self, other: &Self) {
         if self.albedo.image == other.albedo.image {
             self.image.clone_from(&other.image);
@@ -59,20 +27,23 @@ impl Editable for Feather {
 }
 
 impl Editable for Groom {
-    const EXTENSION: &'static str = "groom.ron";
-
-    fn from_text(text: &str, file: &str) -> Result<Self, String> {
-        Self::from_ron(text, file).map_err(|error| error.to_string())
-    }
-
-    fn to_text(&self) -> Result<String, String> {
-        self.validate(&self.name)
-            .and_then(|()| self.to_ron(&self.name))
-            .map_err(|error| error.to_string())
-    }
-
-    fn check(&self) -> Result<(), String> {
-        self.validate(&self.name).map_err(|error| error.to_string())
+    fn keep_handles(&mut self, other: &Self) {
+        for link in &mut self.feathers {
+            if let Some(known) = other.feathers.iter().find(|known| *known == link) {
+                link.clone_from(known);
+            }
+        }
+        let known = || {
+            other
+                .regions
+                .iter()
+                .filter_map(|region| region.down.as_ref())
+        };
+        for link in self.regions.iter_mut().filter_map(|r| r.down.as_mut()) {
+            if let Some(known) = known().find(|known| *known == link) {
+                link.clone_from(known);
+            }
+        }
     }
 }
 
@@ -145,7 +116,9 @@ impl<T: Editable> Document<T> {
     /// # Errors
     /// The first field that is out of range; nothing is recorded.
     pub fn edit(&mut self, value: T, gesture: u64) -> Result<Option<&T>, DocumentError> {
-        value.check().map_err(DocumentError::Invalid)?;
+        value
+            .validate(value.name())
+            .map_err(|error| DocumentError::Invalid(error.to_string()))?;
         Ok(self
             .history
             .edit(value, gesture)
@@ -188,7 +161,10 @@ impl<T: Editable> Document<T> {
     /// # Errors
     /// [`DocumentError::Conflict`] unless `overwrite`, if the file has changed since it was read; [`DocumentError::Io`].
     pub fn save(&mut self, file: Option<&Path>, overwrite: bool) -> Result<PathBuf, DocumentError> {
-        let text = self.present().to_text().map_err(DocumentError::Invalid)?;
+        let text = self
+            .present()
+            .to_ron()
+            .map_err(|error| DocumentError::Invalid(error.to_string()))?;
         let Some(path) = file.map(Path::to_path_buf).or_else(|| self.file.clone()) else {
             return Err(DocumentError::Invalid("there is no file to save to".into()));
         };
@@ -197,7 +173,7 @@ impl<T: Editable> Document<T> {
         if !overwrite && ((own && self.has_conflict()) || (!own && path.exists())) {
             return Err(DocumentError::Conflict(name));
         }
-        write_atomically(&path, &text).map_err(|error| DocumentError::Io(name, error))?;
+        write_whole(&path, &text).map_err(|error| DocumentError::Io(name, error))?;
         self.saved = self.present().clone();
         self.on_disk = Some(text);
         self.file = Some(path.clone());
@@ -212,7 +188,8 @@ impl<T: Editable> Document<T> {
         let name = file.display().to_string();
         let text =
             fs::read_to_string(file).map_err(|error| DocumentError::Io(name.clone(), error))?;
-        let mut value = T::from_text(&text, &name).map_err(DocumentError::Invalid)?;
+        let mut value = T::from_ron(text.as_bytes(), &name)
+            .map_err(|error| DocumentError::Invalid(error.to_string()))?;
         value.keep_handles(self.present());
         if self.file.as_deref() == Some(file) {
             self.on_disk = Some(text);
@@ -223,27 +200,10 @@ impl<T: Editable> Document<T> {
     }
 }
 
-/// Writes beside the file and renames, so that a crash leaves the old file or the new one.
-fn write_atomically(path: &Path, text: &str) -> io::Result<()> {
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
-    let written = fs::File::create(&part)
-        .and_then(|mut file| {
-            file.write_all(text.as_bytes())
-                .and_then(|()| file.sync_all())
-        })
-        .and_then(|()| fs::rename(&part, path));
-    if written.is_err() {
-        let _ = fs::remove_file(&part);
-    }
-    written
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::anatomy::presets;
+    use crate::anatomy;
 
     fn folder(name: &str) -> PathBuf {
         let folder =
@@ -253,7 +213,7 @@ mod tests {
     }
 
     fn feather() -> Feather {
-        presets::by_name("macaw_primary").unwrap()
+        anatomy::primary()
     }
 
     #[test]
@@ -267,7 +227,7 @@ mod tests {
         document.save(Some(&file), false).unwrap();
         assert!(!document.is_changed());
         let text = fs::read_to_string(&file).unwrap();
-        assert_eq!(Feather::from_text(&text, "a").unwrap(), changed);
+        assert_eq!(Feather::from_ron(text.as_bytes(), "a").unwrap(), changed);
         // Nothing else is left in the folder.
         assert_eq!(fs::read_dir(file.parent().unwrap()).unwrap().count(), 1);
         fs::remove_dir_all(file.parent().unwrap()).unwrap();
@@ -289,10 +249,10 @@ mod tests {
             Err(DocumentError::Conflict(_))
         ));
         let kept = fs::read_to_string(&file).unwrap();
-        assert_eq!(Feather::from_text(&kept, "a").unwrap(), theirs);
+        assert_eq!(Feather::from_ron(kept.as_bytes(), "a").unwrap(), theirs);
         document.save(None, true).unwrap();
         let written = fs::read_to_string(&file).unwrap();
-        assert_eq!(Feather::from_text(&written, "a").unwrap(), mine);
+        assert_eq!(Feather::from_ron(written.as_bytes(), "a").unwrap(), mine);
         // Reading theirs back would have been a step that undo takes back.
         document.reloaded(theirs, 2);
         assert_eq!(document.undo(), Some(&mine));

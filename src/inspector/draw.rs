@@ -7,8 +7,8 @@ use super::{
     state::{Inspector, Tab},
 };
 use crate::{
-    anatomy::{Feather, presets},
-    groom::{Groom, Plumage, PlumageCards, PlumageState},
+    anatomy::Feather,
+    groom::{FeathersOf, Groom, Plumage, PlumageCards, PlumageState},
     render::FeatherQuality,
 };
 use bevy::prelude::*;
@@ -32,7 +32,7 @@ pub(super) struct World<'w, 's> {
             &'static PlumageState,
         ),
     >,
-    cards: Query<'w, 's, &'static PlumageCards>,
+    cards: Query<'w, 's, (&'static PlumageCards, &'static FeathersOf)>,
 }
 
 /// Width of the window on the right, its frame included, in points.
@@ -171,10 +171,10 @@ fn choices(inspector: &Inspector, world: &World) -> Vec<Handle<Feather>> {
     let mut choices = world
         .cards
         .iter()
-        .find(|worn| Some(worn.owner) == inspector.bird)
-        .map(|worn| worn.feathers.clone())
+        .find(|(_, of)| Some(of.0) == inspector.bird)
+        .map(|(worn, _)| worn.feathers.clone())
         .unwrap_or_default();
-    #[cfg(feature = "extract")]
+    #[cfg(feature = "photo")]
     choices.extend(
         inspector
             .photos
@@ -228,10 +228,10 @@ fn feather_tab(ui: &mut egui::Ui, inspector: &mut Inspector, world: &mut World) 
     let file = || file_of(&world.server, &inspector.assets, id);
     let document = inspector.feathers.document(id, asset, file);
     let folder = folder_of(document, &inspector.assets, "feathers");
-    let preset = presets::by_name(&document.present().name);
+    let saved = document.is_changed().then(|| document.saved().clone());
     let mut value = document.present().clone();
     inspector.feathers.list(&folder);
-    let reset = preset.as_ref().map(|_| "Back to the preset of this name");
+    let reset = saved.as_ref().map(|_| "Back to what was last saved");
     let command = inspector
         .feathers
         .parts(id)
@@ -250,9 +250,7 @@ fn feather_tab(ui: &mut egui::Ui, inspector: &mut Inspector, world: &mut World) 
     }
     if let Some(command) = command {
         let gesture = inspector.next_gesture();
-        inspector
-            .feathers
-            .run(id, command, &folder, preset, gesture);
+        inspector.feathers.run(id, command, &folder, saved, gesture);
     }
 }
 

@@ -1,11 +1,11 @@
 //! Widgets for reflected values: unit, range and tooltip come from the one Reflect struct.
 //!
 //! The structure of a value (structs, enums, lists) and the tooltips are drawn by `bevy-inspector-egui`; numbers, spans and
-//! colours are drawn here, so that a number shows its [`Parameter`]. The type registry is our own: the app's stays as it is.
+//! colors are drawn here, so that a number shows its [`Parameter`]. The type registry is our own: the app's stays as it is.
 
 use crate::{
     anatomy::Feather,
-    groom::{Groom, Span, Tint},
+    groom::{Groom, Segments, Span, Tint},
     parameter::Parameter,
     render::FeatherQuality,
 };
@@ -77,7 +77,7 @@ impl Fields {
         self.edit_field_as(ui, value, name, None)
     }
 
-    /// The same with this unit and range where the field itself says none.
+    /// The same with this unit and range in place of the field's own: those of a length depend on the unit of the groom.
     pub fn edit_field_as(
         &self,
         ui: &mut egui::Ui,
@@ -108,7 +108,7 @@ impl Fields {
         let Some(inner) = value.field_mut(name) else {
             return false;
         };
-        let parameter = field.get_attribute::<Parameter>().copied().or(usual);
+        let parameter = usual.or_else(|| field.get_attribute::<Parameter>().copied());
         self.named(ui, name, field.docs(), inner, parameter, depth)
     }
 
@@ -133,7 +133,7 @@ impl Fields {
         );
         let title = words(name);
         match value.reflect_ref() {
-            ReflectRef::Struct(_) => {
+            ReflectRef::Struct(_) if !value.represents::<Segments>() => {
                 row_of(ui, NAMES, depth, &title, &hint, |_| ());
                 self.rows(ui, name, value, depth + 1)
             }
@@ -332,7 +332,7 @@ fn options_of(registration: &TypeRegistration) -> InspectorOptions {
     options
 }
 
-/// Numbers, spans and colours; everything else is left to the structure.
+/// Numbers, spans and colors; everything else is left to the structure.
 fn leaf(
     _: &mut InspectorUi<'_, '_>,
     value: &mut dyn PartialReflect,
@@ -354,8 +354,7 @@ fn leaf(
     if let Some(number) = value.downcast_mut::<u8>() {
         return Some(self::number(ui, number, parameter));
     }
-    if let Some((along, across)) = value.downcast_mut::<(u8, u8)>() {
-        // Only the segments of a card are such a pair.
+    if let Some(Segments { along, across }) = value.downcast_mut::<Segments>() {
         let count = |ui: &mut egui::Ui, value, most| {
             ui.add(egui::DragValue::new(value).range(1..=most).speed(0.1))
                 .changed()
@@ -384,9 +383,9 @@ fn leaf(
     if let Some(tint) = value.downcast_mut::<Tint>() {
         return Some(
             ui.horizontal(|ui| {
-                let first = colour(ui, &mut tint.0);
+                let first = color_button(ui, &mut tint.0);
                 ui.label("to");
-                colour(ui, &mut tint.1) | first
+                color_button(ui, &mut tint.1) | first
             })
             .inner,
         );
@@ -440,8 +439,8 @@ fn suffix(unit: &str) -> String {
     }
 }
 
-/// A button with the colour (sRGB, 0..1) that opens a picker; whether it changed.
-pub fn colour(ui: &mut egui::Ui, rgb: &mut [f32; 3]) -> bool {
+/// A button with the color (sRGB, 0..1) that opens a picker; whether it changed.
+pub fn color_button(ui: &mut egui::Ui, rgb: &mut [f32; 3]) -> bool {
     let mut bytes = rgb.map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u8);
     let changed = ui.color_edit_button_srgb(&mut bytes).changed();
     if changed {

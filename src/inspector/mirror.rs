@@ -1,7 +1,7 @@
 //! The plane that a bird is its own mirror image in.
 
+use crate::groom::PointTree;
 use bevy::math::{DMat3, DVec3, Vec3};
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 /// Most points looked at.
 const SAMPLES: usize = 800;
@@ -60,10 +60,10 @@ impl MirrorPlane {
             .step_by(step)
             .map(|point| point.as_dvec3())
             .collect();
-        let all: Vec<[f64; 3]> = points
+        let all: Vec<Vec3> = points
             .iter()
+            .copied()
             .filter(|point| point.is_finite())
-            .map(|point| point.as_dvec3().to_array())
             .collect();
         if sample.len() < 4 {
             return None;
@@ -79,7 +79,7 @@ impl MirrorPlane {
         if size <= 0.0 {
             return None;
         }
-        let tree: ImmutableKdTree<f64, 3> = ImmutableKdTree::new_from_slice(&all).ok()?;
+        let tree = PointTree::new(all.iter().copied());
         let mut spread = DMat3::ZERO;
         for point in &sample {
             let from = *point - middle;
@@ -111,8 +111,8 @@ impl MirrorPlane {
 /// The best plane near a first guess, and the mean distance of images from the points.
 fn refine(
     sample: &[DVec3],
-    tree: &ImmutableKdTree<f64, 3>,
-    all: &[[f64; 3]],
+    tree: &PointTree,
+    all: &[Vec3],
     (mut normal, mut offset): (DVec3, f64),
 ) -> ((DVec3, f64), f64) {
     let mut best = ((normal, offset), f64::INFINITY);
@@ -121,14 +121,12 @@ fn refine(
             .iter()
             .map(|&point| {
                 let image = point - normal * (2.0 * (normal.dot(point) - offset));
-                let nearest = tree
-                    .query(&image.to_array())
-                    .nearest_one::<SquaredEuclidean<f64>>()
-                    .execute();
-                let other = all
-                    .get(nearest.item as usize)
-                    .map_or(image, |at| DVec3::from_array(*at));
-                (nearest.distance.max(0.0).sqrt(), point, other)
+                let nearest = tree.nearest(image.as_vec3(), 1);
+                let other = nearest
+                    .first()
+                    .and_then(|near| all.get(near.number as usize))
+                    .map_or(image, |other| other.as_dvec3());
+                (image.distance(other), point, other)
             })
             .collect();
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -3,6 +3,8 @@
 //! Add [`PlumageInspectorPlugin`] to any app that has [`PlumagePlugins`](crate::plugin::PlumagePlugins); it brings `EguiPlugin`
 //! if the app has none. F12 hides and shows it.
 //!
+//! Only what needs egui lives here. It may use every other room; none may use it.
+//!
 //! | file | what |
 //! |---|---|
 //! | `fields` | widgets from reflection: unit, range and tooltip of every field |
@@ -12,20 +14,26 @@
 //! | `draw` | puts the panels on the screen and their edits into the assets |
 //! | `overlay` | guides, the brush and the feather picked, drawn over the bird |
 //! | `pick`, `skin` | which feather, and which place on the skin, is under the pointer |
-//! | `stroke` | draws and moves guides, paints density and length |
+//! | `stroke` | guides drawn and moved, density and length painted |
+//! | `mouse` | clicks and drags on the bird |
+//! | `measure` | what the statistics panel shows |
 //! | `mirror` | the plane that a bird is its own mirror image in |
-//! | `photo` | a photograph dropped on the window becomes a feather (feature `extract`) |
+//! | `photo`, `dropped` | a photograph dropped on the window becomes a feather (feature `photo`) |
 //! | `preview` | one feather alone, with a cursor that reads its coverage |
 
 mod command;
 mod document;
 mod draw;
+#[cfg(feature = "photo")]
+mod dropped;
 mod fields;
 mod history;
+mod measure;
 mod mirror;
+mod mouse;
 mod overlay;
 mod panels;
-#[cfg(feature = "extract")]
+#[cfg(feature = "photo")]
 mod photo;
 mod pick;
 mod preview;
@@ -43,7 +51,7 @@ pub use panels::{
     FeatherPanel, GroomPanel, Part, Sample, Statistics, Tool, Toolbar, feather_panel, groom_panel,
     lobe_plot, pattern_editor, plumage_panel, quality_panel, statistics_panel, toolbar,
 };
-#[cfg(feature = "extract")]
+#[cfg(feature = "photo")]
 pub use photo::{Photo, Photos, photo_panel};
 pub use pick::{Picked, pick_card};
 pub use session::Session;
@@ -89,10 +97,10 @@ impl Plugin for PlumageInspectorPlugin {
             .add_systems(
                 Update,
                 (
-                    state::measure,
+                    measure::measure,
                     state::follow_files,
-                    pick::pick_by_mouse,
-                    stroke::stroke_by_mouse,
+                    mouse::pick_by_mouse,
+                    mouse::stroke_by_mouse,
                     preview::update_preview,
                 ),
             )
@@ -102,8 +110,8 @@ impl Plugin for PlumageInspectorPlugin {
                     .chain()
                     .in_set(InspectorSystems),
             );
-        #[cfg(feature = "extract")]
-        app.add_systems(Update, photo::follow_photos);
+        #[cfg(feature = "photo")]
+        app.add_systems(Update, dropped::follow_photos);
         let compiling = preview::Compiling::default();
         app.insert_resource(compiling.clone());
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {

@@ -8,10 +8,9 @@ use super::{
     state::Inspector,
     stroke::place_on_skin,
 };
-use crate::groom::{Groom, Guide, Plumage, PlumageCards, PlumageOutput};
+use crate::groom::{Groom, Guide, Plumage, PlumageCards, PlumageParts, PointTree};
 use bevy::{platform::collections::HashMap, prelude::*};
 use bevy_egui::{EguiContexts, egui};
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 const GUIDE: egui::Color32 = egui::Color32::from_rgb(255, 214, 64);
 const STROKE: egui::Color32 = egui::Color32::from_rgb(90, 255, 140);
@@ -38,15 +37,10 @@ impl Carried {
         self.unit = groom.unit;
         self.guides.clone_from(&groom.guides);
         self.lines.clear();
-        let Ok(tree) = ImmutableKdTree::<f32, 3>::new_from_slice(vertices.positions()) else {
-            return;
-        };
+        let tree = tree_of(vertices);
         let carry = |point: Vec3| {
-            let nearest = tree
-                .query(&point.to_array())
-                .nearest_one::<SquaredEuclidean<f32>>()
-                .execute();
-            (point, nearest.item)
+            let nearest = tree.nearest(point, 1);
+            (point, nearest.first().map_or(0, |near| near.number))
         };
         for guide in &groom.guides {
             let line = || {
@@ -64,6 +58,10 @@ impl Carried {
     }
 }
 
+fn tree_of(vertices: &Vertices) -> PointTree {
+    PointTree::new(vertices.positions().iter().copied().map(Vec3::from_array))
+}
+
 /// Draws what the tool at hand needs, and the outline of the feather picked.
 pub(super) fn draw_overlay(
     mut contexts: EguiContexts,
@@ -71,7 +69,7 @@ pub(super) fn draw_overlay(
     pointer: Pointer,
     posed: Posed,
     mut carried: Local<Carried>,
-    birds: Query<(&Plumage, &PlumageOutput)>,
+    birds: Query<(&Plumage, &PlumageParts)>,
     worn: Query<(&PlumageCards, &Mesh3d, Option<&ChildOf>)>,
     skins: Query<&Mesh3d, Without<PlumageCards>>,
 ) -> Result {
@@ -79,13 +77,16 @@ pub(super) fn draw_overlay(
         return Ok(());
     }
     let context = contexts.ctx_mut()?.clone();
-    let Some((plumage, output)) = inspector.bird.and_then(|bird| birds.get(bird).ok()) else {
+    let found = inspector.bird.and_then(|bird| birds.get(bird).ok());
+    let Some((plumage, card_mesh)) =
+        found.and_then(|(plumage, parts)| Some((plumage, *parts.first()?)))
+    else {
         return Ok(());
     };
     let Some((camera, eye)) = pointer.view() else {
         return Ok(());
     };
-    let Ok((cards, cards_mesh, parent)) = worn.get(output.0) else {
+    let Ok((cards, cards_mesh, parent)) = worn.get(card_mesh) else {
         return Ok(());
     };
     let painter = context.layer_painter(egui::LayerId::background());
@@ -95,7 +96,7 @@ pub(super) fn draw_overlay(
     };
     if let Some(picked) = &inspector.picked
         && Some(picked.bird) == inspector.bird
-        && let (Some(mesh), Some(pose)) = (posed.meshes.get(cards_mesh), posed.pose(output.0))
+        && let (Some(mesh), Some(pose)) = (posed.meshes.get(cards_mesh), posed.pose(card_mesh))
     {
         for [a, b] in outline(cards, picked.card, mesh, &pose) {
             if let Some((a, b)) = screen(a).zip(screen(b)) {
@@ -159,20 +160,15 @@ pub(super) fn draw_overlay(
         }
     }
     if tool == Tool::Draw && !inspector.stroke.points.is_empty() {
-        let tree = ImmutableKdTree::<f32, 3>::new_from_slice(vertices.positions());
+        let tree = tree_of(&vertices);
         let places: Vec<_> = inspector
             .stroke
             .points
             .iter()
             .map(|point| {
                 let place = *point * groom.unit;
-                let nearest = tree
-                    .as_ref()
-                    .ok()?
-                    .query(&place.to_array())
-                    .nearest_one::<SquaredEuclidean<f32>>()
-                    .execute();
-                let map = vertices.map(&pose, nearest.item);
+                let nearest = tree.nearest(place, 1);
+                let map = vertices.map(&pose, nearest.first()?.number);
                 screen(map.transform_point3(place))
             })
             .collect();
@@ -185,10 +181,10 @@ pub(super) fn draw_overlay(
 fn draw_line(
     painter: &egui::Painter,
     places: &[Option<egui::Pos2>],
-    colour: egui::Color32,
+    color: egui::Color32,
     dots: bool,
 ) {
-    let stroke = egui::Stroke::new(1.5, colour);
+    let stroke = egui::Stroke::new(1.5, color);
     for pair in places.windows(2) {
         if let Some((a, b)) = pair[0].zip(pair[1]) {
             painter.line_segment([a, b], stroke);
@@ -196,7 +192,7 @@ fn draw_line(
     }
     if dots {
         for place in places.iter().flatten() {
-            painter.circle_filled(*place, 2.5, colour);
+            painter.circle_filled(*place, 2.5, color);
         }
     }
     if let [.., Some(before), Some(tip)] = places {

@@ -1,16 +1,12 @@
-//! A photograph dropped on the window becomes a feather, in the background.
+//! Photographs that become feathers in the background.
 
-use super::state::Inspector;
 use crate::{
     anatomy::Feather,
-    extract::{ExtractError, ExtractSettings, Extraction, Progress, extract, load_photograph},
+    photo::{ExtractError, ExtractSettings, Extraction, Progress, extract, load_photograph},
 };
 use bevy::{
-    asset::RenderAssetUsages,
     prelude::*,
-    render::render_resource::{Extent3d, TextureDimension, TextureFormat},
-    tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on, poll_once},
-    window::FileDragAndDrop,
+    tasks::{AsyncComputeTaskPool, Task, TaskPool},
 };
 use bevy_egui::egui;
 use std::{
@@ -19,10 +15,10 @@ use std::{
 };
 
 /// An extraction under way.
-struct Job {
-    file: PathBuf,
+pub(super) struct Job {
+    pub(super) file: PathBuf,
     progress: Arc<Mutex<f32>>,
-    task: Task<Result<Extraction, ExtractError>>,
+    pub(super) task: Task<Result<Extraction, ExtractError>>,
 }
 
 /// A feather that came from a photograph.
@@ -36,10 +32,10 @@ pub struct Photo {
 /// Photographs under way and done.
 #[derive(Default)]
 pub struct Photos {
-    jobs: Vec<Job>,
+    pub(super) jobs: Vec<Job>,
     /// Done, oldest first.
     pub done: Vec<Photo>,
-    error: Option<String>,
+    pub(super) error: Option<String>,
 }
 
 impl Photos {
@@ -88,63 +84,6 @@ fn name_of(file: &Path) -> String {
     } else {
         name
     }
-}
-
-/// Takes dropped files in and finished extractions out.
-pub(super) fn follow_photos(
-    mut inspector: ResMut<Inspector>,
-    mut dropped: MessageReader<FileDragAndDrop>,
-    mut feathers: ResMut<Assets<Feather>>,
-    mut images: ResMut<Assets<Image>>,
-) {
-    for event in dropped.read() {
-        if let FileDragAndDrop::DroppedFile { path_buf, .. } = event {
-            inspector.photos.begin(path_buf.clone());
-        }
-    }
-    let mut finished = Vec::new();
-    inspector
-        .photos
-        .jobs
-        .retain_mut(|job| match block_on(poll_once(&mut job.task)) {
-            Some(result) => {
-                finished.push((job.file.clone(), result));
-                false
-            }
-            None => true,
-        });
-    for (file, result) in finished {
-        match result {
-            Ok(extraction) => {
-                let mut feather = extraction.feather.clone();
-                feather.image = Some(images.add(image_of(&extraction)));
-                let handle = feathers.add(feather);
-                inspector.feather = Some(handle.id());
-                inspector.photos.done.push(Photo {
-                    feather: handle,
-                    extraction,
-                });
-            }
-            Err(error) => {
-                inspector.photos.error = Some(format!("{}: {error}", file.display()));
-            }
-        }
-    }
-}
-
-fn image_of(extraction: &Extraction) -> Image {
-    let (width, height) = extraction.albedo.dimensions();
-    Image::new(
-        Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
-        TextureDimension::D2,
-        extraction.albedo.as_raw().clone(),
-        TextureFormat::Rgba8UnormSrgb,
-        RenderAssetUsages::default(),
-    )
 }
 
 /// Progress bars, errors, and the confidence of the feather shown.

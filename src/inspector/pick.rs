@@ -1,13 +1,9 @@
 //! Which feather is under the pointer.
 
-use super::{
-    skin::{Pose, Vertices, ray_triangle, skinning_matrices, triangles},
-    state::Inspector,
-};
+use super::skin::{Pose, Vertices, ray_triangle, skinning_matrices, triangles};
 use crate::{
     anatomy::{Feather, Side},
     groom::{Card, Groom, PlumageCards},
-    render::FeatherMaterial,
 };
 use bevy::{
     camera::NormalizedRenderTarget,
@@ -118,7 +114,12 @@ fn is_inside(feather: &Feather, uv: Vec2) -> bool {
 }
 
 /// What to say of a card.
-fn describe(card: &Card, index: usize, groom: Option<&Groom>, feather: &str) -> Vec<String> {
+pub(super) fn describe(
+    card: &Card,
+    index: usize,
+    groom: Option<&Groom>,
+    feather: &str,
+) -> Vec<String> {
     let region = usize::from(card.region);
     let place = groom.map_or_else(
         || format!("region {region}"),
@@ -216,81 +217,5 @@ impl Posed<'_, '_> {
             Ok(skin) => skinning_matrices(skin, &self.poses, &self.transforms).map(Pose::Skinned),
             Err(_) => Some(Pose::Rigid(self.transforms.get(entity).ok()?.affine())),
         }
-    }
-}
-
-/// A click without a drag picks, unless a tool takes it.
-pub(super) fn pick_by_mouse(
-    mut inspector: ResMut<Inspector>,
-    pointer: Pointer,
-    posed: Posed,
-    buttons: Option<Res<ButtonInput<MouseButton>>>,
-    mut pressed_at: Local<Option<Ray3d>>,
-    birds: Query<(Entity, &PlumageCards, &Mesh3d), With<MeshMaterial3d<FeatherMaterial>>>,
-    feathers: Res<Assets<Feather>>,
-    grooms: Res<Assets<Groom>>,
-) {
-    let Some(buttons) = buttons.filter(|_| inspector.open && !inspector.takes_drags()) else {
-        return;
-    };
-    if buttons.just_pressed(MouseButton::Left) {
-        *pressed_at = pointer.ray();
-    }
-    if !buttons.just_released(MouseButton::Left) {
-        return;
-    }
-    let Some((ray, start)) = pointer.ray().zip(pressed_at.take()) else {
-        return;
-    };
-    if ray.direction.dot(*start.direction) < 0.99999 {
-        // A drag turned the camera.
-        return;
-    }
-    let mut nearest: Option<(f32, Picked)> = None;
-    for (entity, worn, mesh) in &birds {
-        let (Some(mesh), Some(pose)) = (posed.meshes.get(mesh), posed.pose(entity)) else {
-            continue;
-        };
-        let assets: Vec<_> = worn.feathers.iter().map(|f| feathers.get(f)).collect();
-        let Some((card, uv, distance)) = pick_card(ray, worn, mesh, &pose, &assets) else {
-            continue;
-        };
-        let record = &worn.cards[card];
-        let Some(feather) = worn.feathers.get(usize::from(record.feather)) else {
-            continue;
-        };
-        if nearest.as_ref().is_none_or(|(d, _)| distance < *d) {
-            let name = feathers
-                .get(feather)
-                .map_or_else(String::new, |feather| feather.name.clone());
-            let text = describe(record, card, grooms.get(&worn.groom), &name);
-            let picked = Picked {
-                bird: worn.owner,
-                card,
-                uv,
-                feather: feather.id(),
-                text,
-            };
-            nearest = Some((distance, picked));
-        }
-    }
-    if let Some((_, picked)) = nearest {
-        // The groom panel shows where it grows.
-        let groom = birds
-            .iter()
-            .find(|(_, worn, _)| worn.owner == picked.bird)
-            .and_then(|(_, worn, _)| {
-                let region = usize::from(worn.cards.get(picked.card)?.region);
-                Some((region, grooms.get(&worn.groom)?.regions.len()))
-            });
-        if let Some((region, regions)) = groom {
-            match region.checked_sub(regions) {
-                Some(row) => inspector.groom_panel.row = row,
-                None => inspector.groom_panel.region = region,
-            }
-        }
-        inspector.choose(picked);
-    } else {
-        inspector.picked = None;
     }
 }

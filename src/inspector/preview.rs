@@ -6,9 +6,10 @@ use super::{
 };
 use crate::{
     anatomy::{Feather, Side},
-    groom::{Card, CardGeometry, PlumageCards},
+    groom::{Card, CardGeometry, FeathersOf, PlumageCards},
+    maths::Footprint,
+    maths::query::{Coverage, ErrorBudget, feather_coverage},
     parameter::Parameter,
-    query::{Coverage, ErrorBudget, Footprint, feather_coverage},
     render::FeatherQuality,
 };
 use bevy::{
@@ -61,7 +62,7 @@ pub struct Preview {
     awake: (u32, Duration),
 }
 
-/// What the card of the preview was made for: feather, its aspect, and the colour that the bird gives it.
+/// What the card of the preview was made for: feather, its aspect, and the color that the bird gives it.
 type Shown = (AssetId<Feather>, f32, [f32; 3]);
 
 /// Frames and time that the picture is drawn after a change, and after the last pipeline has been compiled.
@@ -301,7 +302,7 @@ pub(super) fn update_preview(
     time: Res<Time<Real>>,
     compiling: Res<Compiling>,
     mut events: MessageReader<AssetEvent<Feather>>,
-    worn: Query<&PlumageCards, Without<PreviewCard>>,
+    worn: Query<(&PlumageCards, &FeathersOf)>,
     server: Res<AssetServer>,
     feathers: Res<Assets<Feather>>,
     images: Option<ResMut<Assets<Image>>>,
@@ -370,37 +371,33 @@ pub(super) fn update_preview(
     for (entity, _) in &cards {
         commands.entity(entity).despawn();
     }
-    let entity = commands.spawn_empty().id();
     let mut quality = FeatherQuality::default();
     quality.settings.shelter = 0.0;
-    commands.entity(entity).insert((
+    commands.spawn((
         PreviewCard,
         Mesh3d(meshes.add(card_mesh(feather.aspect))),
         Transform::from_rotation(rotation),
         RenderLayers::layer(LAYER),
         NoFrustumCulling,
         quality,
-        PlumageCards {
-            cards: [card(feather.aspect, shown.2)].into(),
-            geometry: [CardGeometry {
+        PlumageCards::new(
+            [card(feather.aspect, shown.2)],
+            [CardGeometry {
                 first_vertex: 0,
                 vertex_count: 4,
-            }]
-            .into(),
-            groom: Handle::default(),
-            feathers: vec![handle],
-            owner: entity,
-        },
+            }],
+            vec![handle],
+        ),
     ));
 }
 
-/// The colour that the bird gives a feather: the picked card's, or the first one's that wears it.
+/// The color that the bird gives a feather: the picked card's, or the first one's that wears it.
 fn tint_of(
     inspector: &Inspector,
     id: AssetId<Feather>,
-    worn: &Query<&PlumageCards, Without<PreviewCard>>,
+    worn: &Query<(&PlumageCards, &FeathersOf)>,
 ) -> [f32; 3] {
-    let Some(worn) = worn.iter().find(|worn| Some(worn.owner) == inspector.bird) else {
+    let Some((worn, of)) = worn.iter().find(|(_, of)| Some(of.0) == inspector.bird) else {
         return [0.3; 3];
     };
     let wears = |card: &&Card| {
@@ -411,7 +408,7 @@ fn tint_of(
     inspector
         .picked
         .as_ref()
-        .filter(|picked| picked.bird == worn.owner)
+        .filter(|picked| picked.bird == of.0)
         .and_then(|picked| worn.cards.get(picked.card))
         .filter(wears)
         .or_else(|| worn.cards.iter().find(wears))
@@ -497,7 +494,7 @@ fn card_mesh(aspect: f32) -> Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::anatomy::presets;
+    use crate::anatomy;
 
     #[test]
     fn the_cursor_reads_where_it_points() {
@@ -515,7 +512,7 @@ mod tests {
 
     #[test]
     fn the_shaft_the_vane_and_the_air_beside_it() {
-        let feather = presets::by_name("macaw_primary").unwrap();
+        let feather = anatomy::primary();
         let (curve, _) = feather.rachis.spline().at(0.5);
         let shaft = coverage_at(&feather, Vec2::new(curve as f32, 0.5), 1.0, Vec3::Z).unwrap();
         assert!(shaft.rachis > 0.9);

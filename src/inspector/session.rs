@@ -116,13 +116,13 @@ impl<A: Asset + Editable> Session<A> {
         })
     }
 
-    /// Carries a command out. `folder` is where files of this kind lie, `preset` what "reset" goes back to.
+    /// Carries a command out. `folder` is where files of this kind lie, `saved` what "reset" goes back to.
     pub fn run(
         &mut self,
         id: AssetId<A>,
         command: Command,
         folder: &Path,
-        preset: Option<A>,
+        saved: Option<A>,
         gesture: u64,
     ) {
         let Some(document) = self.documents.get_mut(&id) else {
@@ -136,16 +136,16 @@ impl<A: Asset + Editable> Session<A> {
                 .to_string_lossy()
                 .into_owned()
         };
-        let saved = |path: PathBuf| Some(Ok(format!("Saved {}", short(&path))));
+        let written = |path: PathBuf| Some(Ok(format!("Saved {}", short(&path))));
         match command {
             Command::Undo => drop(document.undo().map(|_| bar.comparing = false)),
             Command::Redo => drop(document.redo().map(|_| bar.comparing = false)),
             Command::Compare(on) => bar.comparing = on,
             Command::Reset => {
-                if let Some(mut preset) = preset {
-                    preset.keep_handles(document.present());
+                if let Some(mut saved) = saved {
+                    saved.keep_handles(document.present());
                     bar.message = document
-                        .edit(preset, gesture)
+                        .edit(saved, gesture)
                         .err()
                         .map(|error| Err(error.to_string()));
                 }
@@ -153,7 +153,7 @@ impl<A: Asset + Editable> Session<A> {
             Command::Save { overwrite } => match document.save(None, overwrite) {
                 Ok(path) => {
                     bar.asking = false;
-                    bar.message = saved(path);
+                    bar.message = written(path);
                 }
                 Err(DocumentError::Conflict(_)) => bar.asking = true,
                 Err(error) => bar.message = Some(Err(error.to_string())),
@@ -161,7 +161,7 @@ impl<A: Asset + Editable> Session<A> {
             Command::SaveAs(name) => {
                 let file = folder.join(format!("{name}.{}", A::EXTENSION));
                 bar.message = match document.save(Some(&file), false) {
-                    Ok(path) => saved(path),
+                    Ok(path) => written(path),
                     Err(DocumentError::Conflict(file)) => {
                         let file = short(Path::new(&file));
                         Some(Err(format!("{file} exists already: choose another name")))

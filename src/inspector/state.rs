@@ -2,18 +2,16 @@
 
 use super::{
     fields::Fields,
-    panels::{FeatherPanel, GroomPanel, Sample, Statistics, Tool},
+    panels::{FeatherPanel, GroomPanel, Statistics, Tool},
     pick::Picked,
-    preview::PreviewCard,
     session::Session,
     stroke::Stroke,
 };
 use crate::{
     anatomy::Feather,
-    groom::{Groom, Plumage, PlumageCards, PlumageState},
-    render::{CARD_COUNTERS, PlumageMemory},
+    groom::{Groom, Plumage},
 };
-use bevy::{diagnostic::DiagnosticsStore, prelude::*};
+use bevy::prelude::*;
 use std::path::PathBuf;
 
 /// Which panel is shown on the left.
@@ -54,7 +52,7 @@ pub struct Inspector {
     /// The last frames.
     pub statistics: Statistics,
     /// Photographs that become feathers.
-    #[cfg(feature = "extract")]
+    #[cfg(feature = "photo")]
     pub photos: super::photo::Photos,
     pub(super) fields: Fields,
     pub(super) assets: PathBuf,
@@ -80,7 +78,7 @@ impl Inspector {
             feather_panel: FeatherPanel::default(),
             groom_panel: GroomPanel::default(),
             statistics: Statistics::default(),
-            #[cfg(feature = "extract")]
+            #[cfg(feature = "photo")]
             photos: super::photo::Photos::default(),
             fields: Fields::default(),
             assets,
@@ -108,43 +106,6 @@ impl Inspector {
         self.gesture += 1;
         self.gesture
     }
-}
-
-/// Collects what the statistics panel shows.
-pub(super) fn measure(
-    mut inspector: ResMut<Inspector>,
-    store: Option<Res<DiagnosticsStore>>,
-    memory: Option<Res<PlumageMemory>>,
-    time: Res<Time<Real>>,
-    states: Query<&PlumageState>,
-    cards: Query<&PlumageCards, Without<PreviewCard>>,
-) {
-    let mut sample = Sample {
-        frame_ms: time.delta_secs_f64() * 1e3,
-        memory: memory.map_or_else(PlumageMemory::default, |memory| *memory),
-        feathers: cards.iter().map(|worn| worn.cards.len() as u64).sum(),
-        ..Sample::default()
-    };
-    for state in &states {
-        sample.triangles += u64::from(state.triangles);
-        sample.groom_ms = sample.groom_ms.max(state.groom_ms);
-        sample.errors.extend(state.error.clone());
-    }
-    for diagnostic in store.iter().flat_map(|store| store.iter()) {
-        let path = diagnostic.path().as_str();
-        if let Some(name) = path.strip_prefix("render/feather_cards_") {
-            if let Some(i) = CARD_COUNTERS.iter().position(|known| *known == name) {
-                sample.cards[i] = diagnostic.value().unwrap_or(0.0) as u64;
-            }
-        } else if let Some(name) = path
-            .strip_prefix("render/")
-            .and_then(|path| path.strip_suffix("/elapsed_gpu"))
-            && let Some(ms) = diagnostic.smoothed()
-        {
-            sample.passes.push((name.to_owned(), ms));
-        }
-    }
-    inspector.statistics.push(sample);
 }
 
 /// Takes files that were written outside into the histories.
@@ -180,7 +141,7 @@ pub(super) fn follow_files(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::anatomy::presets;
+    use crate::anatomy;
 
     #[test]
     fn own_edits_are_not_taken_for_those_of_others() {
@@ -190,7 +151,7 @@ mod tests {
             .init_asset::<Groom>()
             .insert_resource(Inspector::new(PathBuf::new()))
             .add_systems(Update, follow_files);
-        let mut feather = presets::by_name("contour").unwrap();
+        let mut feather = anatomy::contour();
         let mut feathers = app.world_mut().resource_mut::<Assets<Feather>>();
         let handle = feathers.add(feather.clone());
         let id = handle.id();

@@ -2,22 +2,16 @@
 
 use super::{
     mirror::MirrorPlane,
-    panels::Tool,
-    pick::{Pointer, Posed},
+    pick::Posed,
     skin::{Hit, Vertices, cast},
-    state::Inspector,
 };
-use crate::groom::{Dab, Groom, Guide, Plumage, PlumageCards, PlumageOutput};
-use bevy::{
-    platform::collections::HashMap,
-    prelude::*,
-    tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on},
-};
+use crate::groom::{Dab, Groom, Guide};
+use bevy::prelude::*;
 
 /// Points closer than this share of the stroke's length are left out.
 const SPACING: f32 = 0.02;
 /// How far from each other two points may be that are each other's mirror image, in sizes of the bird.
-const SAME: f32 = 0.004;
+pub(super) const SAME: f32 = 0.004;
 
 /// A stroke under way, in the groom's units and model space.
 #[derive(Default)]
@@ -25,10 +19,10 @@ pub(super) struct Stroke {
     /// The points so far.
     pub(super) points: Vec<Vec3>,
     /// What is being moved.
-    moved: Option<Grab>,
+    pub(super) moved: Option<Grab>,
     /// The mirror plane, and the distance at which points count as each other's image.
-    mirror: Option<(MirrorPlane, f32)>,
-    gesture: u64,
+    pub(super) mirror: Option<(MirrorPlane, f32)>,
+    pub(super) gesture: u64,
 }
 
 /// A point of a guide.
@@ -182,160 +176,6 @@ pub(super) fn place_on_skin(
     let hit: Hit = cast(ray, mesh, &posed.pose(entity)?)?;
     let vertices = Vertices::of(mesh)?;
     Some((hit.blend(|i| vertices.bind(i)), ray.get_point(hit.distance)))
-}
-
-/// Mirror planes of meshes in metres with the size of the mesh, found in the background.
-#[derive(Default)]
-pub(super) struct Planes {
-    found: HashMap<AssetId<Mesh>, Option<(MirrorPlane, f32)>>,
-    search: Option<(AssetId<Mesh>, Task<Option<(MirrorPlane, f32)>>)>,
-}
-
-impl Planes {
-    /// Begins to look for the plane of a mesh.
-    fn look_for(&mut self, id: AssetId<Mesh>, mesh: &Mesh) {
-        let under_way = self.search.as_ref().is_some_and(|(of, _)| *of == id);
-        if under_way || self.found.contains_key(&id) {
-            return;
-        }
-        let points: Vec<Vec3> = Vertices::of(mesh)
-            .map(|vertices| vertices.positions().iter().map(|p| (*p).into()).collect())
-            .unwrap_or_default();
-        let pool = AsyncComputeTaskPool::get_or_init(TaskPool::new);
-        let task = pool.spawn(async move {
-            let plane = MirrorPlane::find(&points)?;
-            let size = points.iter().fold(0.0_f32, |size, p| size.max(p.length()));
-            Some((plane, size))
-        });
-        self.search = Some((id, task));
-    }
-
-    /// The plane of a mesh; waits for it if need be.
-    fn of(&mut self, id: AssetId<Mesh>) -> Option<(MirrorPlane, f32)> {
-        if let Some((of, task)) = self.search.take_if(|(of, _)| *of == id) {
-            self.found.insert(of, block_on(task));
-        }
-        self.found.get(&id).copied().flatten()
-    }
-}
-
-/// Follows a drag on the bird with the tool chosen.
-pub(super) fn stroke_by_mouse(
-    mut inspector: ResMut<Inspector>,
-    pointer: Pointer,
-    posed: Posed,
-    buttons: Option<Res<ButtonInput<MouseButton>>>,
-    mut planes: Local<Planes>,
-    birds: Query<(&Plumage, &PlumageOutput)>,
-    parents: Query<&ChildOf, With<PlumageCards>>,
-    skins: Query<&Mesh3d, Without<PlumageCards>>,
-    grooms: Res<Assets<Groom>>,
-) {
-    if !inspector.takes_drags() {
-        return;
-    }
-    let tool = inspector.groom_panel.tool;
-    let Some((plumage, output)) = inspector.bird.and_then(|bird| birds.get(bird).ok()) else {
-        return;
-    };
-    let id = plumage.groom.id();
-    let Some(unit) = grooms.get(id).map(|groom| groom.unit.max(1e-9)) else {
-        return;
-    };
-    let Some((skin, mesh)) = parents
-        .get(output.0)
-        .ok()
-        .and_then(|child| Some((child.parent(), skins.get(child.parent()).ok()?)))
-    else {
-        return;
-    };
-    if let Some(shape) = posed.meshes.get(mesh) {
-        planes.look_for(mesh.id(), shape);
-    }
-    let Some(buttons) = buttons else {
-        return;
-    };
-    let place = || Some(place_on_skin(pointer.ray()?, &posed, mesh, skin)?.0 / unit);
-    if buttons.just_pressed(MouseButton::Left) {
-        inspector.groom_panel.note = None;
-        inspector.stroke = Stroke {
-            gesture: inspector.next_gesture(),
-            ..Stroke::default()
-        };
-        if place().is_some() && inspector.groom_panel.mirror {
-            inspector.stroke.mirror = planes
-                .of(mesh.id())
-                .map(|(plane, size)| (plane.scaled(1.0 / unit), SAME * size / unit));
-            if inspector.stroke.mirror.is_none() {
-                inspector.groom_panel.note =
-                    Some("The bird has no mirror plane: this side only".into());
-            }
-        }
-        if tool == Tool::Move
-            && let (Some(place), Some(document)) = (place(), inspector.grooms.get(id))
-        {
-            let reach = inspector.groom_panel.radius;
-            inspector.stroke.moved = nearest_guide_point(document.present(), place, reach);
-        }
-    }
-    if buttons.pressed(MouseButton::Left)
-        && let Some(place) = place()
-    {
-        inspector.stroke.points.push(place);
-        apply(&mut inspector, id, tool, place);
-    }
-    if buttons.just_released(MouseButton::Left) {
-        let stroke = std::mem::take(&mut inspector.stroke);
-        if tool == Tool::Draw
-            && let Some(guide) = guide_through(&stroke.points)
-            && let Some(mut groom) = inspector.grooms.get(id).map(|d| d.present().clone())
-        {
-            add_guide(&mut groom, guide, stroke.mirror);
-            inspector.grooms.edit(id, groom, stroke.gesture);
-        }
-    }
-}
-
-/// What the tool does at a place while the button is down.
-fn apply(inspector: &mut Inspector, id: AssetId<Groom>, tool: Tool, place: Vec3) {
-    let Some(mut groom) = inspector.grooms.get(id).map(|d| d.present().clone()) else {
-        return;
-    };
-    let (radius, factor) = (inspector.groom_panel.radius, inspector.groom_panel.factor);
-    let stroke = &inspector.stroke;
-    let dab = |density, length| Dab {
-        at: place.to_array(),
-        radius,
-        density,
-        length,
-    };
-    let dab = match (tool, stroke.moved) {
-        (Tool::Density, _) => dab(factor, 1.0),
-        (Tool::Length, _) => dab(1.0, factor.max(0.05)),
-        (Tool::Move, Some(grab)) => {
-            move_point(&mut groom, grab, place, stroke.mirror);
-            let gesture = stroke.gesture;
-            inspector.grooms.edit(id, groom, gesture);
-            return;
-        }
-        _ => return,
-    };
-    paint(&mut groom, dab);
-    if let Some((plane, _)) = stroke.mirror {
-        let at = plane.image(place);
-        // On the middle line the two are one.
-        if at.distance(place) > 0.25 * radius {
-            paint(
-                &mut groom,
-                Dab {
-                    at: at.to_array(),
-                    ..dab
-                },
-            );
-        }
-    }
-    let gesture = stroke.gesture;
-    inspector.grooms.edit(id, groom, gesture);
 }
 
 #[cfg(test)]

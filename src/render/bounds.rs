@@ -3,13 +3,13 @@
 use crate::groom::PlumageCards;
 use bevy::{camera::primitives::Aabb, prelude::*};
 
-pub(super) fn bound_cards(
+pub(super) fn update_bounds(
     mut commands: Commands,
     unbounded: Query<(Entity, &PlumageCards), (With<Mesh3d>, Without<Aabb>)>,
 ) {
-    for (entity, worn) in &unbounded {
+    for (entity, cards) in &unbounded {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for card in worn.cards.iter() {
+        for card in cards.cards.iter() {
             low = low.min(card.center - card.radius);
             high = high.max(card.center + card.radius);
         }

@@ -1,8 +1,11 @@
 //! [`FeatherMaterial`]: the look bound to the GPU.
 
-use super::specialize;
+use super::{
+    key::{CoverageMethod, DrawnCards, FeatherPipelineKey, FeatherTransparency},
+    specialize,
+};
+use crate::maths::query::ErrorBudget;
 use crate::parameter::Parameter;
-use crate::query::ErrorBudget;
 use crate::shaders::{FEATHER, FEATHER_PREPASS, FEATHER_VERTEX};
 use bevy::{
     material::OpaqueRendererMethod,
@@ -15,59 +18,11 @@ use bevy::{
         },
         storage::ShaderBuffer,
     },
-    shader::{ShaderDefVal, ShaderRef},
+    shader::ShaderRef,
 };
 use serde::{Deserialize, Serialize};
 
-/// How what lies behind a feather shows through it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect, Serialize, Deserialize)]
-#[non_exhaustive]
-pub enum FeatherTransparency {
-    /// Coverage becomes MSAA samples: no sorting, writes depth. Wants `Msaa::Sample4`; with `Msaa::Off` it is [`Self::Hashed`].
-    #[default]
-    AlphaToCoverage,
-    /// Every pixel is there or not, by a pattern fixed to the feather (Wyman and McGuire 2017): no sorting, writes depth, works
-    /// without MSAA. Grainy in a single frame.
-    Hashed,
-    /// Interiors of vanes, almost opaque, are drawn with depth; only fringes go to Bevy's order-independent transparency, which
-    /// the camera needs: `OrderIndependentTransparencySettings` and `Msaa::Off`. On cameras without it the feathers are drawn as
-    /// with [`Self::AlphaToCoverage`], and a warning says so.
-    OrderIndependent,
-    /// Blended in the order of the mesh, without depth: exact for a single feather, wrong where feathers cover each other. A
-    /// camera with order-independent transparency sorts the fragments.
-    Blend,
-}
-
-/// Which fragments of a bird's cards a material draws. The plugin draws the cards of its first and of the last two by materials
-/// and pipelines of their own, so that a fragment far away does not carry what only near ones need.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum DrawnCards {
-    /// Shadows of all; colour and depth of what no other material draws.
-    #[default]
-    Own,
-    /// The almost opaque interiors for [`FeatherTransparency::OrderIndependent`].
-    Core,
-    /// Colour and depth of cards of the class FAR.
-    Far,
-    /// Colour and depth of cards of the class MEAN.
-    Mean,
-}
-
-/// How the shader finds the coverage of a pixel's footprint.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect, Serialize, Deserialize)]
-#[non_exhaustive]
-pub enum CoverageMethod {
-    /// The cheapest evaluator within the error budget ([`crate::query::choose`]).
-    #[default]
-    Chosen,
-    /// The paper's own: spatial domain by Gauss-Legendre near, frequency domain far, a hard switch between them
-    /// ([`crate::query::published`]). For comparison only.
-    Published,
-    /// 1,024 point queries per footprint: slow, the truth that the others are compared with.
-    Supersampled,
-}
-
-/// What a feather shows instead of its shaded colour.
+/// What a feather shows instead of its shaded color.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum DebugView {
@@ -78,13 +33,13 @@ pub enum DebugView {
     Coverage,
     /// LOD: near red, far green, mean blue, mixed white.
     Lod,
-    /// A colour per card.
+    /// A color per card.
     Card,
     /// The layer, black (low) to white.
     Layer,
     /// The world normal of the card.
     Normal,
-    /// A colour per barb; the two vanes apart.
+    /// A color per barb; the two vanes apart.
     Barb,
     /// Where the light of the fibres goes: reflected by the surface red, out of the fibre to the front green, to the back blue.
     Lobe,
@@ -114,13 +69,20 @@ pub struct FeatherSettings {
     pub debug_view: DebugView,
     /// How coverage is found.
     pub coverage_method: CoverageMethod,
+    /// Depth, in widths of a feather, within which the one that lies over the other in the coat is seen though it is further away,
+    /// 0..0.5 (0.1); 0: the nearest is seen. For cameras with a depth prepass (docs/bevy_view.md#layering).
+    #[reflect(@Parameter::new("", 0.0, 0.5))]
+    pub order_window: f32,
     /// Samples of the environment map per pixel, 0..1024, by importance; 0 (default) takes Bevy's prefiltered maps instead.
     #[reflect(@Parameter::new("", 0.0, 1024.0))]
     pub environment_samples: u32,
+    /// Look at the fibres once for every four lights instead of once for each: cheaper where several lights reach the same
+    /// feathers, dearer where one does (many registers). The picture is the same.
+    pub lights_together: bool,
 }
 
 impl FeatherSettings {
-    /// Threshold of the chooser (range query study, sec. 4) for the error budget.
+    /// Threshold of the chooser (docs/book/range_queries.md#the-chooser) for the error budget.
     pub fn threshold(&self) -> f32 {
         ErrorBudget::new(self.error_budget.clamp(5e-4, 0.05)).threshold()
     }
@@ -135,7 +97,9 @@ impl Default for FeatherSettings {
             dither: true,
             debug_view: DebugView::None,
             coverage_method: CoverageMethod::Chosen,
+            order_window: 0.1,
             environment_samples: 0,
+            lights_together: false,
         }
     }
 }
@@ -155,6 +119,16 @@ pub struct GpuFeatherSettings {
     pub debug_view: u32,
     /// `FeatherSettings::environment_samples`.
     pub environment_samples: u32,
+    /// `FeatherSettings::order_window`.
+    pub order_window: f32,
+}
+
+/// For the test that holds it against the shader.
+#[cfg(feature = "internals")]
+pub(super) fn settings_layout() -> crate::shaders::StructLayout {
+    crate::shaders::struct_layout!(GpuFeatherSettings, "card/feather_bindings.wgsl", "FeatherSettings", {
+        threshold, multiple_scattering, shelter, dither, debug_view, environment_samples, order_window,
+    })
 }
 
 impl From<&FeatherSettings> for GpuFeatherSettings {
@@ -166,61 +140,25 @@ impl From<&FeatherSettings> for GpuFeatherSettings {
             dither: u32::from(settings.dither),
             debug_view: settings.debug_view as u32,
             environment_samples: settings.environment_samples.min(1024),
+            order_window: settings.order_window.clamp(0.0, 0.5),
         }
-    }
-}
-
-/// What makes two feather materials want different pipelines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct FeatherPipelineKey {
-    /// `FeatherSettings::coverage_method`.
-    pub coverage_method: CoverageMethod,
-    /// `FeatherMaterial::transparency`.
-    pub transparency: FeatherTransparency,
-    /// The environment map is sampled by importance.
-    pub sampled_environment: bool,
-    /// [`DebugView::Overdraw`].
-    pub overdraw: bool,
-    /// `FeatherMaterial::drawn`.
-    pub drawn: DrawnCards,
-    /// Cards of the classes FAR and MEAN are drawn by other materials.
-    pub splits: bool,
-}
-
-impl FeatherPipelineKey {
-    /// Shader definitions that do not depend on the view.
-    pub(super) fn shader_defs(&self) -> Vec<ShaderDefVal> {
-        let mut defs = Vec::new();
-        match self.coverage_method {
-            CoverageMethod::Chosen => {}
-            CoverageMethod::Published => defs.push("PUBLISHED_COVERAGE".into()),
-            CoverageMethod::Supersampled => defs.push("SUPERSAMPLED_COVERAGE".into()),
-        }
-        if self.sampled_environment {
-            defs.push("SAMPLED_ENVIRONMENT".into());
-        }
-        if self.overdraw {
-            defs.push("OVERDRAW".into());
-        }
-        match self.drawn {
-            DrawnCards::Own if self.splits => defs.push("ONLY_RESOLVED".into()),
-            DrawnCards::Own | DrawnCards::Core => {}
-            DrawnCards::Far => defs.push("ONLY_FAR".into()),
-            DrawnCards::Mean => defs.push("ONLY_MEAN".into()),
-        }
-        defs
     }
 }
 
 impl From<&FeatherMaterial> for FeatherPipelineKey {
     fn from(material: &FeatherMaterial) -> Self {
+        let settings = &material.settings;
+        let shaded = settings.debug_view == DebugView::None;
+        let overdraw = settings.debug_view == DebugView::Overdraw;
         Self {
-            coverage_method: material.settings.coverage_method,
+            coverage_method: settings.coverage_method,
             transparency: material.transparency,
-            sampled_environment: material.settings.environment_samples > 0,
-            overdraw: material.settings.debug_view == DebugView::Overdraw,
+            sampled_environment: shaded && settings.environment_samples > 0,
+            lights_together: shaded && settings.lights_together,
+            overdraw,
+            debug: !shaded && !overdraw,
             drawn: material.drawn,
-            splits: material.splits(),
+            ordered: material.settings.order_window > 0.0,
         }
     }
 }
@@ -239,7 +177,7 @@ pub struct FeatherMaterial {
     /// Feathers and fibre tables, laid out as `shaders/feather_data.wgsl` reads them.
     #[storage(1, read_only)]
     pub feathers: Handle<ShaderBuffer>,
-    /// Card records, [`super::CARD_VEC4S`] each.
+    /// Card records, [`super::pack::CARD_VEC4S`] each.
     #[storage(2, read_only, visibility(vertex))]
     pub cards: Handle<ShaderBuffer>,
     /// LOD class of every card, written by the LOD pass.
@@ -255,14 +193,9 @@ pub struct FeatherMaterial {
 }
 
 impl FeatherMaterial {
-    /// Whether every LOD class has a pipeline of its own. Blending keeps the order of the mesh, so its cards stay together; the
-    /// methods that are there for comparison know no classes.
+    /// See [`FeatherPipelineKey::splits`].
     pub(super) fn splits(&self) -> bool {
-        self.settings.coverage_method == CoverageMethod::Chosen
-            && matches!(
-                self.transparency,
-                FeatherTransparency::AlphaToCoverage | FeatherTransparency::Hashed
-            )
+        FeatherPipelineKey::from(self).splits()
     }
 
     /// The same feathers, but other fragments of them.
@@ -298,17 +231,7 @@ impl Material for FeatherMaterial {
     }
 
     fn alpha_mode(&self) -> AlphaMode {
-        if self.settings.debug_view == DebugView::Overdraw {
-            return AlphaMode::Add;
-        }
-        if self.drawn == DrawnCards::Core {
-            return AlphaMode::Mask(0.5);
-        }
-        match self.transparency {
-            FeatherTransparency::AlphaToCoverage => AlphaMode::AlphaToCoverage,
-            FeatherTransparency::Hashed => AlphaMode::Mask(0.5),
-            FeatherTransparency::OrderIndependent | FeatherTransparency::Blend => AlphaMode::Blend,
-        }
+        FeatherPipelineKey::from(self).alpha_mode()
     }
 
     fn opaque_render_method(&self) -> OpaqueRendererMethod {
@@ -328,46 +251,6 @@ impl Material for FeatherMaterial {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_uniform_is_laid_out_as_the_shader_reads_it() {
-        let shader = include_str!("../shaders/feather_bindings.wgsl");
-        let start = shader.find("struct FeatherSettings").unwrap();
-        let end = start + shader[start..].find('}').unwrap() + 1;
-        let module = naga::front::wgsl::parse_str(&shader[start..end]).unwrap();
-        let mut layouter = naga::proc::Layouter::default();
-        layouter.update(module.to_ctx()).unwrap();
-        let (handle, settings) = module
-            .types
-            .iter()
-            .find(|(_, ty)| ty.name.as_deref() == Some("FeatherSettings"))
-            .unwrap();
-        assert_eq!(
-            u64::from(layouter[handle].size),
-            GpuFeatherSettings::min_size().get()
-        );
-        let naga::TypeInner::Struct { members, .. } = &settings.inner else {
-            panic!("not a struct");
-        };
-        let names: Vec<_> = members.iter().filter_map(|m| m.name.as_deref()).collect();
-        assert_eq!(
-            names,
-            [
-                "threshold",
-                "multiple_scattering",
-                "shelter",
-                "dither",
-                "debug_view",
-                "environment_samples"
-            ]
-        );
-        assert!(
-            members
-                .iter()
-                .enumerate()
-                .all(|(i, m)| m.offset == 4 * i as u32)
-        );
-    }
 
     #[test]
     fn settings_are_clamped() {

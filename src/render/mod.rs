@@ -1,48 +1,62 @@
 //! From groomed cards to pixels: the material, what it packs for the GPU, and the passes of a frame.
 //!
+//! What Bevy's renderer needs to draw feathers lives here. It may use the cards of `groom`, `anatomy`, `maths` and `shaders`; it may
+//! not know how a coat was groomed, and nothing of `undercoat`.
+//!
 //! | file | what |
 //! |---|---|
 //! | `material` | [`FeatherMaterial`], its settings and pipelines |
-//! | `specialize` | how coverage becomes pixels in the view at hand |
-//! | `repeat` | the card mesh drawn more than once: LOD classes, order-independent transparency |
+//! | `key`, `specialize` | how coverage becomes pixels in the view at hand |
+//! | `extra_draws` | the card mesh drawn once more: LOD classes, order-independent transparency |
+//! | `order` | in which order the cards of a mesh are drawn |
 //! | `wind` | [`Wind`] and [`Ruffle`] |
 //! | `pack` | feathers, fibre tables and cards as the shaders read them |
-//! | `wear` | gives every groomed bird its material; [`PlumageMemory`] |
+//! | `prepare` | gives every groomed bird its material; [`PlumageMemory`] |
 //! | `lod` | compute pass that classifies every card for every camera |
 //! | `bounds` | bounds of cards, for rays |
 //! | `limits` | what the device must offer |
-//! | `cut_out` | what is drawn where it does not |
+//! | `fallback` | what is drawn where it does not |
 
 mod bounds;
-mod cut_out;
+mod extra_draws;
+mod fallback;
+#[cfg(feature = "internals")]
+pub mod key;
+#[cfg(not(feature = "internals"))]
+mod key;
+#[cfg(feature = "internals")]
+pub mod layout;
 mod limits;
 mod lod;
 mod material;
-mod pack;
-mod repeat;
+mod order;
+pub mod pack;
+mod prepare;
 mod specialize;
-mod wear;
 mod wind;
 
-pub use cut_out::FeatherPath;
+pub use key::{CoverageMethod, DrawnCards, FeatherTransparency};
+pub use limits::{ActiveFeatherPath, FeatherPath};
 pub use lod::CARD_COUNTERS;
-pub use material::{
-    CoverageMethod, DebugView, DrawnCards, FeatherMaterial, FeatherSettings, FeatherTransparency,
-};
-pub use pack::CARD_VEC4S;
-pub use wear::{FeatherQuality, PlumageMemory, PlumageWork};
-pub use wind::{
-    RUFFLE_LIFT, RUFFLE_YAW, Ruffle, Wind, value_noise, wind_lift, wind_response, wind_velocity,
-};
+pub use material::{DebugView, FeatherMaterial, FeatherSettings};
+pub use prepare::{FeatherQuality, PlumageMemory, PlumageWork};
+pub use wind::{Ruffle, Wind};
 
-use crate::shaders::ShadersPlugin;
+use crate::{groom::PlumageSystems, shaders::ShadersPlugin};
 use bevy::{
+    camera::visibility::VisibilitySystems,
     pbr::{MaterialPlugin, PbrPlugin},
     prelude::*,
 };
 
-/// Draws every bird that the groom has dressed.
-pub struct FeatherRenderPlugin;
+/// Draws the feathers of every groomed bird. One of the `PlumagePlugins`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FeatherRenderPlugin {
+    /// How feathers are drawn; by default in full wherever the device is up to it. [`ActiveFeatherPath`] says what came of it.
+    /// `PlumagePlugins.set(FeatherRenderPlugin { path: FeatherPath::Fallback })` asks for the fallback, for machines that are too
+    /// slow.
+    pub path: FeatherPath,
+}
 
 impl Plugin for FeatherRenderPlugin {
     fn build(&self, app: &mut App) {
@@ -57,24 +71,41 @@ impl Plugin for FeatherRenderPlugin {
             .register_type::<Ruffle>()
             .register_type::<FeatherPath>()
             .init_resource::<Wind>()
-            .init_resource::<FeatherPath>()
+            .register_type::<FeatherPath>()
+            .register_type::<PlumageMemory>()
             .add_systems(
                 PostUpdate,
-                (
-                    bounds::bound_cards,
-                    cut_out::wear_cut_outs.run_if(resource_equals(FeatherPath::CutOut)),
-                ),
+                bounds::update_bounds
+                    .in_set(PlumageSystems::UpdateBounds)
+                    .before(VisibilitySystems::CheckVisibility),
             )
             .add_plugins((
                 ShadersPlugin,
-                repeat::RepeatPlugin,
+                extra_draws::ExtraDrawPlugin,
                 MaterialPlugin::<FeatherMaterial>::default(),
-                wear::WearPlugin,
+                prepare::PreparePlugin,
                 lod::LodPlugin,
             ));
     }
 
     fn finish(&self, app: &mut App) {
-        limits::check(app);
+        if !app.is_plugin_added::<PbrPlugin>() {
+            return;
+        }
+        match limits::decide(app, self.path) {
+            FeatherPath::Full => {
+                prepare::add_systems(app);
+                extra_draws::add_systems(app);
+                order::add_systems(app);
+            }
+            FeatherPath::Fallback => {
+                app.add_systems(
+                    PostUpdate,
+                    (fallback::mark_stale, fallback::prepare_fallback)
+                        .chain()
+                        .in_set(PlumageSystems::PrepareMaterials),
+                );
+            }
+        }
     }
 }

@@ -1,6 +1,6 @@
-//! Pipelines of [`super::FeatherMaterial`]: how coverage becomes pixels in the view at hand.
+//! Pipelines of [`super::FeatherMaterial`]: what [`super::key`] decides, written into Bevy's descriptors.
 
-use super::material::{DrawnCards, FeatherPipelineKey, FeatherTransparency};
+use super::key::{FeatherPipelineKey, PassKey, Resolve, shader_defs};
 use bevy::{
     mesh::MeshVertexBufferLayoutRef,
     pbr::MeshPipelineKey,
@@ -10,61 +10,6 @@ use bevy::{
     },
     shader::ShaderDefVal,
 };
-
-/// What one pipeline does with a fragment's coverage.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Resolve {
-    /// It becomes samples of the multisampled target.
-    Samples(u32),
-    /// There or not, by a pattern on the card.
-    Hashed,
-    /// Only almost opaque fragments.
-    Core,
-    /// Only the others, into the camera's list of transparent fragments.
-    Fringe,
-    /// All fragments, into the list.
-    List,
-    /// Alpha blending.
-    Blend,
-    /// Fragments are counted.
-    Overdraw,
-}
-
-impl Resolve {
-    fn choose(key: &FeatherPipelineKey, mesh_key: MeshPipelineKey) -> Self {
-        let samples = mesh_key.msaa_samples();
-        let listed = mesh_key.contains(MeshPipelineKey::OIT_ENABLED);
-        let solid = if samples > 1 {
-            Self::Samples(samples)
-        } else {
-            Self::Hashed
-        };
-        match key.transparency {
-            _ if key.overdraw => Self::Overdraw,
-            _ if key.drawn == DrawnCards::Core => Self::Core,
-            FeatherTransparency::AlphaToCoverage => solid,
-            FeatherTransparency::Hashed => Self::Hashed,
-            FeatherTransparency::OrderIndependent if listed => Self::Fringe,
-            FeatherTransparency::OrderIndependent => solid,
-            FeatherTransparency::Blend if listed => Self::List,
-            FeatherTransparency::Blend => Self::Blend,
-        }
-    }
-
-    fn shader_defs(self) -> Vec<ShaderDefVal> {
-        match self {
-            Self::Samples(count) => vec![
-                "SAMPLE_COVERAGE".into(),
-                ShaderDefVal::UInt("FEATHER_SAMPLES".into(), count),
-            ],
-            Self::Hashed => vec!["HASHED".into()],
-            Self::Core => vec!["FEATHER_CORE".into()],
-            Self::Fringe => vec!["FEATHER_FRINGE".into(), "BLENDED".into()],
-            Self::List | Self::Blend => vec!["BLENDED".into()],
-            Self::Overdraw => Vec::new(),
-        }
-    }
-}
 
 fn has_def(defs: &[ShaderDefVal], name: &str) -> bool {
     defs.iter()
@@ -91,7 +36,7 @@ fn lay_out_vertices(
     Ok(())
 }
 
-/// Finishes a pipeline of a colour, depth or shadow pass.
+/// Finishes a pipeline of a color, depth or shadow pass.
 pub fn feather_pipeline(
     descriptor: &mut RenderPipelineDescriptor,
     layout: &MeshVertexBufferLayoutRef,
@@ -101,7 +46,7 @@ pub fn feather_pipeline(
     lay_out_vertices(descriptor, layout)?;
     // Both faces of a feather show, and both cast shadows.
     descriptor.primitive.cull_mode = None;
-    // The shader picks the samples itself, so that prepass and colour pass pick the same ones.
+    // The shader picks the samples itself, so that prepass and color pass pick the same ones.
     descriptor.multisample.alpha_to_coverage_enabled = false;
     let prepass = has_def(&descriptor.vertex.shader_defs, "PREPASS_PIPELINE");
     if prepass && descriptor.fragment.is_none() {
@@ -112,42 +57,48 @@ pub fn feather_pipeline(
             ..default()
         });
     }
-    let resolve = Resolve::choose(key, mesh_key);
-    let solid = matches!(resolve, Resolve::Samples(_) | Resolve::Hashed);
-    let late =
-        mesh_key.intersection(MeshPipelineKey::BLEND_RESERVED_BITS) == MeshPipelineKey::BLEND_ALPHA;
-    let decided = !prepass && solid && !late && mesh_key.contains(MeshPipelineKey::DEPTH_PREPASS);
-    let mut defs = key.shader_defs();
-    if decided {
-        defs.push("DEPTH_DECIDED".into());
-    } else {
-        defs.extend(resolve.shader_defs());
-    }
-    descriptor.vertex.shader_defs.extend(key.shader_defs());
-    if let Some(fragment) = &mut descriptor.fragment {
-        if prepass {
-            let emulated = has_def(&fragment.shader_defs, "UNCLIPPED_DEPTH_ORTHO_EMULATION");
-            if descriptor.primitive.unclipped_depth || emulated {
-                defs.push("DIRECTIONAL_SHADOW".into());
-                descriptor
-                    .vertex
-                    .shader_defs
-                    .push("DIRECTIONAL_SHADOW".into());
-            }
-            let outputs = !fragment.targets.is_empty() || emulated;
-            if outputs || matches!(resolve, Resolve::Samples(_)) {
-                defs.push("FEATHER_PREPASS_OUTPUT".into());
-            }
+    let fragment_defs = |name| {
+        let fragment = descriptor.fragment.as_ref();
+        fragment.is_some_and(|fragment| has_def(&fragment.shader_defs, name))
+    };
+    let samples = mesh_key.msaa_samples();
+    let listed = mesh_key.contains(MeshPipelineKey::OIT_ENABLED);
+    let pass = if prepass {
+        let emulated = fragment_defs("UNCLIPPED_DEPTH_ORTHO_EMULATION");
+        let targets = descriptor.fragment.as_ref().map_or(0, |f| f.targets.len());
+        PassKey::Prepass {
+            samples,
+            listed,
+            directional: descriptor.primitive.unclipped_depth || emulated,
+            outputs: targets > 0 || emulated,
         }
-        fragment.shader_defs.extend(defs);
+    } else {
+        PassKey::Forward {
+            samples,
+            listed,
+            depth_prepass: mesh_key.contains(MeshPipelineKey::DEPTH_PREPASS),
+        }
+    };
+    let resolve = Resolve::choose(key, &pass);
+    let [vertex, fragment] = shader_defs(key, &pass);
+    descriptor.vertex.shader_defs.extend(vertex);
+    if let Some(stage) = &mut descriptor.fragment {
+        stage.shader_defs.extend(fragment);
     }
-    if decided {
+    if resolve == Resolve::Decided {
         // The depth prepass has said which samples show which card: only those are shaded, each once.
         if let Some(depth) = &mut descriptor.depth_stencil {
             depth.depth_write_enabled = Some(false);
             depth.depth_compare = Some(CompareFunction::Equal);
         }
-    } else if !prepass && solid && late {
+    } else if matches!(resolve, Resolve::Ordered(_)) {
+        // Shifted towards the eye by its window, a fragment passes that lies no further behind the nearest; cards come in the order of
+        // their layers ([`super::order`]), so that the highest of them stays.
+        if let Some(depth) = &mut descriptor.depth_stencil {
+            depth.depth_write_enabled = Some(false);
+            depth.depth_compare = Some(CompareFunction::GreaterEqual);
+        }
+    } else if !prepass && resolve.is_solid() && key.alpha_mode() == AlphaMode::Blend {
         // A camera without a list of transparent fragments: solid, though in the phase of the transparent ones.
         if let Some(depth) = &mut descriptor.depth_stencil {
             depth.depth_write_enabled = Some(true);

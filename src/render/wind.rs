@@ -1,7 +1,10 @@
-//! Wind and ruffle: what bends cards about their roots (twin of `shaders/wind.wgsl`; amounts after the bird study, section 5).
+//! Wind and ruffle as an app sets them, and the buffer of each bird that tells its cards (the maths: [`crate::maths::wind`]).
 
 use super::{material::FeatherMaterial, pack::MAX_REGIONS};
-use crate::groom::{Groom, PlumageCards};
+use crate::{
+    groom::{CardRegion, FeathersOf, PlumageCards},
+    maths::wind::{Breeze, RUFFLE_LIFT, RUFFLE_YAW, wind_response},
+};
 use bevy::{
     asset::RenderAssetUsages,
     prelude::*,
@@ -47,8 +50,8 @@ impl Wind {
         }
     }
 
-    fn rows(&self, regions: usize) -> [[f32; 4]; 2] {
-        let direction = self.direction.try_normalize().unwrap_or(Vec3::X);
+    /// The same with a direction of length 1 and every number finite and in its range, as the shaders take it.
+    pub fn breeze(&self) -> Breeze<f32> {
         let finite = |x: f32, low: f32, high: f32| {
             if x.is_finite() {
                 x.clamp(low, high)
@@ -56,14 +59,22 @@ impl Wind {
                 low
             }
         };
+        let direction = self.direction.try_normalize().unwrap_or(Vec3::X);
+        Breeze {
+            direction: direction.to_array(),
+            speed: finite(self.speed, 0.0, 40.0),
+            gusts: finite(self.gusts, 0.0, 40.0),
+            eddy: finite(self.eddy, 0.01, 10.0),
+            frequency: finite(self.frequency, 0.0, 10.0),
+        }
+    }
+
+    fn rows(&self, regions: usize) -> [[f32; 4]; 2] {
+        let breeze = self.breeze();
+        let [x, y, z] = breeze.direction;
         [
-            direction.extend(finite(self.speed, 0.0, 40.0)).to_array(),
-            [
-                finite(self.gusts, 0.0, 40.0),
-                finite(self.eddy, 0.01, 10.0),
-                finite(self.frequency, 0.0, 10.0),
-                regions as f32,
-            ],
+            [x, y, z, breeze.speed],
+            [breeze.gusts, breeze.eddy, breeze.frequency, regions as f32],
         ]
     }
 }
@@ -79,62 +90,41 @@ pub struct Ruffle {
     pub regions: Vec<(String, f32)>,
 }
 
-/// Angle by which a soft feather turns about its root when it is ruffled as far as it goes, radians.
-pub const RUFFLE_LIFT: f32 = 45.0 * std::f32::consts::PI / 180.0;
-/// Yaw to either side of a feather ruffled as far as it goes, radians: 2 degrees where it is raised by 14.
-pub const RUFFLE_YAW: f32 = 6.0 * std::f32::consts::PI / 180.0;
-
-/// How a feather of `stiffness` 0..1 answers the wind: (compliance in rad s^2 m^-2.5, largest angle of the tip in radians:
-/// 14 degrees for the softest, 8 for a contour feather, 1.5 for a flight feather).
-pub fn wind_response(stiffness: f32) -> (f32, f32) {
-    let s = stiffness.clamp(0.0, 1.0);
-    let limit = 1.5 + 12.5 * (1.0 - s) * (1.0 - s);
-    (1f32.to_radians() / s.max(0.1), limit.to_radians())
+impl Ruffle {
+    /// Share, 0..1, by which the feathers of a region are raised: all of it only for feathers of no stiffness.
+    pub(crate) fn share(&self, region: &CardRegion) -> f32 {
+        let named = self.regions.iter().find(|(name, _)| *name == region.name);
+        let amount = named.map_or(self.amount, |(_, amount)| *amount);
+        if amount.is_finite() {
+            amount.clamp(0.0, 1.0) * (1.0 - region.stiffness())
+        } else {
+            0.0
+        }
+    }
 }
 
 /// Rows of one bird: wind, then (lift, compliance, limit, yaw) of every region.
-fn motion_rows(
-    wind: &Wind,
-    ruffle: Option<&Ruffle>,
-    groom: Option<&Groom>,
-    count: usize,
-) -> Vec<[f32; 4]> {
-    let mut rows = wind.rows(count).to_vec();
-    for index in 0..count {
-        let region = groom.and_then(|groom| groom.regions.get(index));
-        let is_row = groom.is_some_and(|groom| index >= groom.regions.len());
-        let stiffness = if is_row {
-            1.0
-        } else {
-            region.map_or(0.5, |region| region.stiffness)
-        };
-        let (compliance, limit) = wind_response(stiffness);
-        let amount = ruffle.map_or(0.0, |ruffle| {
-            let named = region.and_then(|region| {
-                let mut known = ruffle.regions.iter();
-                known.find(|(name, _)| *name == region.name)
-            });
-            let amount = named.map_or(ruffle.amount, |(_, amount)| *amount);
-            if amount.is_finite() {
-                amount.clamp(0.0, 1.0)
-            } else {
-                0.0
-            }
-        }) * (1.0 - stiffness.clamp(0.0, 1.0));
-        rows.push([RUFFLE_LIFT * amount, compliance, limit, RUFFLE_YAW * amount]);
+fn motion_rows(wind: &Wind, ruffle: Option<&Ruffle>, regions: &[CardRegion]) -> Vec<[f32; 4]> {
+    let row = |region: &CardRegion| {
+        let (compliance, limit) = wind_response(region.stiffness());
+        let share = ruffle.map_or(0.0, |ruffle| ruffle.share(region));
+        [RUFFLE_LIFT * share, compliance, limit, RUFFLE_YAW * share]
+    };
+    let regions = &regions[..regions.len().min(MAX_REGIONS as usize)];
+    let mut rows = wind.rows(regions.len().max(1)).to_vec();
+    rows.extend(regions.iter().map(row));
+    if regions.is_empty() {
+        rows.push(row(&CardRegion {
+            name: String::new(),
+            stiffness: 0.5,
+        }));
     }
     rows
 }
 
-/// Number of regions that a bird's cards name, at least 1.
-fn region_count(cards: &PlumageCards) -> usize {
-    let most = cards.cards.iter().map(|card| card.region).max();
-    (usize::from(most.unwrap_or(0)) + 1).min(MAX_REGIONS as usize)
-}
-
 /// The buffer of a bird in still air.
 pub(super) fn still_motion(cards: &PlumageCards) -> ShaderBuffer {
-    let rows = motion_rows(&Wind::default(), None, None, region_count(cards));
+    let rows = motion_rows(&Wind::default(), None, &cards.regions);
     let mut buffer = ShaderBuffer::new(&bytes(&rows, &rows), RenderAssetUsages::default());
     buffer.buffer_description.label = Some("feather_motion");
     buffer.buffer_description.usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
@@ -151,6 +141,9 @@ fn bytes(now: &[[f32; 4]], before: &[[f32; 4]]) -> Vec<u8> {
 pub(super) struct Motion {
     buffer: AssetId<ShaderBuffer>,
     now: Vec<[f32; 4]>,
+    /// Whether the bird had a [`Ruffle`].
+    ruffled: bool,
+    /// Whether the frame before was like this one.
     settled: bool,
 }
 
@@ -159,33 +152,39 @@ pub(super) struct Motion {
 pub(super) fn move_feathers(
     mut commands: Commands,
     wind: Res<Wind>,
-    grooms: Res<Assets<Groom>>,
-    ruffles: Query<&Ruffle>,
+    ruffles: Query<Ref<Ruffle>>,
     mut birds: Query<(
         Entity,
-        &PlumageCards,
-        &MeshMaterial3d<FeatherMaterial>,
+        Ref<PlumageCards>,
+        Option<&FeathersOf>,
+        Ref<MeshMaterial3d<FeatherMaterial>>,
         Option<&mut Motion>,
     )>,
     materials: Res<Assets<FeatherMaterial>>,
     mut buffers: ResMut<Assets<ShaderBuffer>>,
 ) {
-    for (entity, cards, material, motion) in &mut birds {
+    for (entity, cards, of, material, motion) in &mut birds {
+        let ruffle = ruffles.get(FeathersOf::owner(of, entity)).ok();
+        let moved = wind.is_changed()
+            || cards.is_changed()
+            || material.is_changed()
+            || ruffle.as_ref().is_some_and(Ref::is_changed);
+        let rests = |motion: &Mut<Motion>| motion.settled && motion.ruffled == ruffle.is_some();
+        if !moved && motion.as_ref().is_some_and(rests) {
+            continue;
+        }
         let Some(material) = materials.get(material.id()) else {
             continue;
         };
-        let now = motion_rows(
-            &wind,
-            ruffles.get(cards.owner).ok(),
-            grooms.get(&cards.groom),
-            region_count(cards),
-        );
+        let now = motion_rows(&wind, ruffle.as_deref(), &cards.regions);
+        let ruffled = ruffle.is_some();
         let buffer = material.motion.id();
-        let known = motion.filter(|motion| motion.buffer == buffer);
-        if let Some(motion) = &known
+        let mut known = motion.filter(|motion| motion.buffer == buffer);
+        if let Some(motion) = &mut known
             && motion.settled
             && motion.now == now
         {
+            motion.ruffled = ruffled;
             continue;
         }
         let before = known.as_ref().map_or(&now, |motion| &motion.now);
@@ -196,11 +195,13 @@ pub(super) fn move_feathers(
             Some(mut motion) => {
                 motion.settled = motion.now == now;
                 motion.now = now;
+                motion.ruffled = ruffled;
             }
             None => {
                 commands.entity(entity).insert(Motion {
                     buffer,
                     now,
+                    ruffled,
                     settled: true,
                 });
             }
@@ -208,101 +209,10 @@ pub(super) fn move_feathers(
     }
 }
 
-/// Share of a gust that small eddies make.
-const EDDY_SHARE: f32 = 0.3;
-/// A gust is this many eddies long.
-const GUST_CELLS: f32 = 4.0;
-/// Share of the opening that wind along the lay presses flat.
-const PRESSING: f32 = 0.1;
-/// Largest angle downwards over that upwards: the body is in the way.
-const FLATTENING: f32 = 0.25;
-
-fn lattice_value(point: IVec3) -> f32 {
-    let [x, y, z] = point.to_array().map(|c| c as u32);
-    let mixed =
-        x.wrapping_add(1_664_525u32.wrapping_mul(y.wrapping_add(1_013_904_223u32.wrapping_mul(z))));
-    let state = mixed.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
-    (((word >> 22) ^ word) >> 8) as f32 / 16_777_216.0
-}
-
-/// Value noise in 0..1, smooth, one lattice cell per unit.
-pub fn value_noise(p: Vec3) -> f32 {
-    let base = p.floor();
-    let f = p - base;
-    let s = f * f * (Vec3::splat(3.0) - 2.0 * f);
-    let i = base.clamp(Vec3::splat(-1e9), Vec3::splat(1e9)).as_ivec3();
-    let mix = |a: f32, b: f32, t: f32| a * (1.0 - t) + b * t;
-    let edge = |y: i32, z: i32| {
-        let at = |x: i32| lattice_value(i + IVec3::new(x, y, z));
-        mix(at(0), at(1), s.x)
-    };
-    mix(
-        mix(edge(0, 0), edge(1, 0), s.y),
-        mix(edge(0, 1), edge(1, 1), s.y),
-        s.z,
-    )
-}
-
-/// Velocity of the air at a place and time (seconds), m/s. Gusts travel with it.
-pub fn wind_velocity(wind: &Wind, position: Vec3, time: f32) -> Vec3 {
-    let direction = wind.direction.try_normalize().unwrap_or(Vec3::X);
-    let carried = position - direction * ((wind.speed + 0.5 * wind.gusts) * time);
-    let eddy = carried / wind.eddy.max(1e-3);
-    let turned = eddy + Vec3::Y * (wind.frequency * time);
-    let gust =
-        (1.0 - EDDY_SHARE) * value_noise(eddy / GUST_CELLS) + EDDY_SHARE * value_noise(turned);
-    direction * (wind.speed + wind.gusts * gust)
-}
-
-/// Angle in radians by which the tip of a feather lifts off (below 0: is pressed down), at most `limit` up and a quarter of it down. Wind
-/// against the lay (`along`) opens the coat, wind along it presses it flat. `length` in metres, `wind` in m/s; compliance and
-/// limit from [`wind_response`].
-pub fn wind_lift(
-    wind: Vec3,
-    along: Vec3,
-    normal: Vec3,
-    length: f32,
-    compliance: f32,
-    limit: f32,
-) -> f32 {
-    let against = along.dot(wind);
-    let under = normal.dot(wind);
-    let opening = (-against).max(0.0) + under.max(0.0);
-    let pressing = against.max(0.0) + (-under).max(0.0);
-    let drive =
-        compliance * length.max(0.0).sqrt() * (opening * opening - PRESSING * pressing * pressing);
-    let most = if drive < 0.0 {
-        FLATTENING * limit
-    } else {
-        limit
-    };
-    most * drive / (most + drive.abs()).max(1e-9)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn wind_against_the_lay_opens_and_never_past_the_limit() {
-        for stiffness in [0.0, 0.3, 0.7, 1.0] {
-            let (compliance, limit) = wind_response(stiffness);
-            let mut last = 0.0;
-            for speed in [0.5, 1.0, 3.0, 10.0, 40.0] {
-                let lift = |wind| wind_lift(wind, Vec3::X, Vec3::Z, 0.04, compliance, limit);
-                let open = lift(-Vec3::X * speed);
-                assert!(open > last && open < limit, "{stiffness} {speed}: {open}");
-                let flat = lift(Vec3::X * speed);
-                assert!(flat < 0.0 && flat > -FLATTENING * limit, "{flat}");
-                last = open;
-            }
-        }
-        // A contour feather of 40 mm in a gust of 3 m/s: a few degrees.
-        let (compliance, limit) = wind_response(0.3);
-        let lift = wind_lift(-3.0 * Vec3::X, Vec3::X, Vec3::Z, 0.04, compliance, limit);
-        assert!((1.0..8.0).contains(&lift.to_degrees()), "{lift}");
-    }
+    use crate::maths::wind::wind_velocity;
 
     #[test]
     fn gusts_travel_with_the_wind() {
@@ -314,10 +224,13 @@ mod tests {
         let direction = wind.direction.normalize();
         for step in 0..20 {
             let place = Vec3::new(0.1 * step as f32, 0.2, -0.3);
-            let later = wind_velocity(&slow, place + direction * (3.0 * 0.5), 4.5);
-            let now = wind_velocity(&slow, place, 4.0);
+            let air = |wind: &Wind, place: Vec3, time: f32| {
+                Vec3::from(wind_velocity(&wind.breeze(), place.to_array(), time))
+            };
+            let later = air(&slow, place + direction * (3.0 * 0.5), 4.5);
+            let now = air(&slow, place, 4.0);
             assert!((later - now).length() < 1e-3, "{now} {later}");
-            let speed = wind_velocity(&wind, place, 4.0).length();
+            let speed = air(&wind, place, 4.0).length();
             assert!((2.0..=4.0).contains(&speed), "{speed}");
         }
     }
@@ -337,7 +250,11 @@ mod tests {
             amount: f32::NAN,
             ..default()
         };
-        let rows = motion_rows(&wild, Some(&ruffle), None, 4);
+        let region = CardRegion {
+            name: String::new(),
+            stiffness: f32::NAN,
+        };
+        let rows = motion_rows(&wild, Some(&ruffle), &vec![region; 4]);
         assert_eq!(rows.len(), 6);
         assert!(rows.iter().flatten().all(|x| x.is_finite()), "{rows:?}");
     }

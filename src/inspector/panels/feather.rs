@@ -1,11 +1,11 @@
-//! One feather: shape, vanes, colour and optics.
+//! One feather: shape, vanes, color and optics.
 
 use super::{lobe_plot, pattern_editor};
 use crate::{
     anatomy::Feather,
     inspector::fields::{Fields, number, row},
+    maths::scattering::Fibre,
     parameter::Parameter,
-    scattering::Fibre,
 };
 use bevy_egui::egui;
 
@@ -42,7 +42,7 @@ impl Part {
         }
     }
 
-    /// Its factor on the painted colour.
+    /// Its factor on the painted color.
     pub fn share(self, feather: &Feather) -> f32 {
         let share = feather.albedo.share;
         match self {
@@ -118,15 +118,15 @@ pub fn feather_panel(
     section(ui, "Splits of the contour", false, |ui| {
         changed |= fields.edit(ui, "gaps", &mut feather.gaps);
     });
-    section(ui, "Colour, front", false, |ui| {
+    section(ui, "Color, front", false, |ui| {
         changed |= pattern_editor(ui, "front", &mut feather.albedo.front);
         ui.add_space(4.0);
-        ui.label("Share of the painted colour");
+        ui.label("Share of the painted color");
         changed |= fields.edit(ui, "share", &mut feather.albedo.share);
     });
-    section(ui, "Colour, back", false, |ui| {
+    section(ui, "Color, back", false, |ui| {
         let mut own = feather.albedo.back.is_some();
-        if ui.checkbox(&mut own, "has colours of its own").changed() {
+        if ui.checkbox(&mut own, "has colors of its own").changed() {
             feather.albedo.back = own.then(|| feather.albedo.front.clone());
             changed = true;
         }
@@ -141,14 +141,14 @@ pub fn feather_panel(
             }
         });
         changed |= fields.edit(ui, "fibre", panel.part.fibre(feather));
-        let colour = feather
+        let color = feather
             .albedo
             .front
             .stops
             .get(feather.albedo.front.stops.len() / 2);
         let share = panel.part.share(feather);
-        let albedo = colour.map_or([0.5; 3], |stop| {
-            stop.1.map(|c| (c.powf(2.2) * share).min(0.98))
+        let albedo = color.map_or([0.5; 3], |stop| {
+            stop.color.map(|c| (c.powf(2.2) * share).min(0.98))
         });
         let hint = "Inclination of the eye along the fibre in the plot";
         row(ui, "eye", hint, |ui| {

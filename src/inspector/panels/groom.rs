@@ -2,7 +2,9 @@
 
 use super::feather::section;
 use crate::{
-    groom::{Groom, Plumage, PlumageState},
+    anatomy::Feather,
+    asset::AssetLink,
+    groom::{Dab, Groom, Plumage, PlumageState},
     inspector::fields::{Fields, number, row},
     parameter::Parameter,
 };
@@ -84,16 +86,17 @@ impl Default for GroomPanel {
     }
 }
 
-const FACTOR: Parameter = Parameter::new("", 0.0, 4.0);
-const DENSITY: Parameter = Parameter::new("", 0.01, 16.0).logarithmic();
-
 /// The bird as a whole: number of feathers and seed; whether `plumage` changed.
 pub fn plumage_panel(ui: &mut egui::Ui, plumage: &mut Plumage, state: &PlumageState) -> bool {
     let mut changed = false;
     section(ui, "Bird", true, |ui| {
         let hint = "Number of scattered feathers relative to the groom's own; their size follows, so that cover stays";
         changed |= row(ui, "density", hint, |ui| {
-            number(ui, &mut plumage.density, Some(DENSITY))
+            number(
+                ui,
+                &mut plumage.density,
+                Parameter::of::<Plumage>("density"),
+            )
         });
         changed |= row(ui, "seed", "The same seed gives the same bird", |ui| {
             ui.add(egui::DragValue::new(&mut plumage.seed)).changed()
@@ -133,7 +136,12 @@ pub fn groom_panel(
         if matches!(panel.tool, Tool::Density | Tool::Length) {
             let hint = "What the brush multiplies by in its middle";
             row(ui, "factor", hint, |ui| {
-                number(ui, &mut panel.factor, Some(FACTOR));
+                let field = if panel.tool == Tool::Density {
+                    "density"
+                } else {
+                    "length"
+                };
+                number(ui, &mut panel.factor, Parameter::of::<Dab>(field));
             });
         }
         if matches!(panel.tool, Tool::Density | Tool::Length | Tool::Move) {
@@ -254,14 +262,16 @@ fn unit_of(metres: f32) -> &'static str {
 }
 
 /// The feather that a region or row wears, by the names of the files.
-fn worn(ui: &mut egui::Ui, id: &str, feather: &mut u16, files: &[String]) -> bool {
-    let name = |file: &str| {
-        let file = file.rsplit('/').next().unwrap_or(file);
+fn worn(ui: &mut egui::Ui, id: &str, feather: &mut u16, files: &[AssetLink<Feather>]) -> bool {
+    let name = |link: &AssetLink<Feather>| {
+        let handle = link.handle().and_then(|handle| handle.path());
+        let file = handle.map_or_else(|| link.path().to_owned(), ToString::to_string);
+        let file = file.rsplit('/').next().unwrap_or("?");
         file.split('.').next().unwrap_or(file).to_owned()
     };
     let mut chosen = usize::from(*feather);
     row(ui, "feather", "Feather worn", |ui| {
-        let names: Vec<String> = files.iter().map(|file| name(file)).collect();
+        let names: Vec<String> = files.iter().map(name).collect();
         choose(ui, id, &mut chosen, names.iter().map(String::as_str));
     });
     let changed = chosen != usize::from(*feather);

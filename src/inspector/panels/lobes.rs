@@ -1,6 +1,6 @@
 //! Polar plot of a fibre's lobes around its cross-section.
 
-use crate::scattering::{FIBRE_HARMONICS, Fibre, FibreTable, fibre_evaluate, fibre_shading};
+use crate::maths::scattering::{FIBRE_HARMONICS, Fibre, FibreTable, fibre_evaluate, fibre_shading};
 use bevy_egui::egui;
 use egui_plot::{Line, Plot, PlotPoints};
 use std::f64::consts::{PI, TAU};
@@ -37,7 +37,7 @@ pub fn lobe_points(fibre: &Fibre, albedo: [f32; 3], eye: f32) -> [Vec<[f64; 2]>;
 
 /// Draws the plot.
 pub fn lobe_plot(ui: &mut egui::Ui, fibre: &Fibre, albedo: [f32; 3], eye: f32) {
-    let colours = [
+    let colors = [
         egui::Color32::from_rgb(230, 90, 80),
         egui::Color32::from_rgb(90, 190, 90),
         egui::Color32::from_rgb(90, 140, 240),
@@ -50,12 +50,12 @@ pub fn lobe_plot(ui: &mut egui::Ui, fibre: &Fibre, albedo: [f32; 3], eye: f32) {
         .allow_zoom(false)
         .allow_scroll(false)
         .show(ui, |plot| {
-            for ((points, colour), name) in lobe_points(fibre, albedo, eye)
+            for ((points, color), name) in lobe_points(fibre, albedo, eye)
                 .into_iter()
-                .zip(colours)
+                .zip(colors)
                 .zip(["red", "green", "blue"])
             {
-                plot.line(Line::new(name, PlotPoints::from(points)).color(colour));
+                plot.line(Line::new(name, PlotPoints::from(points)).color(color));
             }
         })
         .response

@@ -1,6 +1,6 @@
 //! The panels. Each is a function of an `egui::Ui` and plain data, so that it can be tested without a window.
 
-mod colour;
+mod color;
 mod feather;
 mod groom;
 mod lobes;
@@ -8,7 +8,7 @@ mod quality;
 mod statistics;
 mod toolbar;
 
-pub use colour::pattern_editor;
+pub use color::pattern_editor;
 pub use feather::{FeatherPanel, Part, feather_panel};
 pub use groom::{GroomPanel, Tool, groom_panel, plumage_panel};
 pub use lobes::lobe_plot;

@@ -24,6 +24,8 @@ pub fn quality_panel(ui: &mut egui::Ui, fields: &Fields, quality: &mut FeatherQu
         "multiple_scattering",
         "shelter",
         "environment_samples",
+        "lights_together",
+        "order_window",
     ] {
         changed |= fields.edit_field(ui, &mut quality.settings, name);
     }
@@ -33,6 +35,6 @@ pub fn quality_panel(ui: &mut egui::Ui, fields: &Fields, quality: &mut FeatherQu
         "The error budget puts the switch from NEAR to the averages at a footprint variance of {:.3} periods\u{b2}.",
         quality.settings.threshold()
     ))
-    .on_hover_text("The threshold of the LOD (range query study, sec. 4)");
+    .on_hover_text("The threshold of the LOD that the error budget comes to");
     changed
 }

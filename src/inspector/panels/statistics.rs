@@ -75,7 +75,7 @@ impl Statistics {
 /// Draws the numbers and the plot.
 pub fn statistics_panel(ui: &mut egui::Ui, statistics: &Statistics) {
     ui.label(format!("Milliseconds per frame, last {FRAMES} frames"));
-    let colours = [
+    let colors = [
         egui::Color32::from_rgb(235, 235, 235),
         egui::Color32::from_rgb(240, 120, 90),
         egui::Color32::from_rgb(110, 200, 110),
@@ -84,7 +84,7 @@ pub fn statistics_panel(ui: &mut egui::Ui, statistics: &Statistics) {
     let frame = "frame".to_owned();
     let lines: Vec<_> = std::iter::once((&frame, &statistics.frame))
         .chain(statistics.dearest())
-        .zip(colours)
+        .zip(colors)
         .collect();
     Plot::new("times")
         .height(170.0)
@@ -93,19 +93,19 @@ pub fn statistics_panel(ui: &mut egui::Ui, statistics: &Statistics) {
         .allow_zoom(false)
         .allow_scroll(false)
         .show(ui, |plot| {
-            for ((name, values), colour) in &lines {
+            for ((name, values), color) in &lines {
                 let points: Vec<[f64; 2]> = values
                     .iter()
                     .enumerate()
                     .map(|(i, ms)| [i as f64, *ms])
                     .collect();
-                plot.line(Line::new((*name).clone(), PlotPoints::from(points)).color(*colour));
+                plot.line(Line::new((*name).clone(), PlotPoints::from(points)).color(*color));
             }
         });
     ui.horizontal_wrapped(|ui| {
-        for ((name, _), colour) in &lines {
+        for ((name, _), color) in &lines {
             ui.colored_label(
-                *colour,
+                *color,
                 format!("\u{25a0}\u{a0}{}", name.replace('_', "\u{a0}")),
             );
         }

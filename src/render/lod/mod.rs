@@ -1,20 +1,29 @@
 //! The LOD pass: one compute thread per card skins its root, culls it, bounds the pixel footprint over it, and writes which
-//! evaluator its fragments use (DESIGN: the range-query switch of the paper, Sec. 5.3, decided once per card).
+//! evaluator its fragments use (the switch of Chen et al. 2026, Sec. 5.3, decided once per card; docs/book/lod.md#classes).
 //!
 //! It runs once for every camera, right before that camera draws, so that two cameras share one buffer.
 
 mod pass;
 
-use super::cut_out::FeatherPath;
+#[cfg(feature = "internals")]
+pub(super) use pass::params_layout;
+
+use super::limits::path_is_full;
 use bevy::{
     core_pipeline::{Core3d, Core3dSystems},
     prelude::*,
     render::{GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems},
 };
 
-/// What the pass may decide for a card, and the names of its counters (diagnostics `render/feather_cards_<name>`): outside the
-/// view; every footprint so small that NEAR serves; barbules never resolved, STRIPE; not even barbs, MEAN; each pixel decides.
-/// The shaders' classes are the indices; from 1 on they are those of [`crate::query::Lod`].
+/// Classes of cards, and the names of their counters (diagnostics `render/feather_cards_<name>`):
+///
+/// 0. `culled`: outside the view.
+/// 1. `near`: every pixel resolves barbules; NEAR everywhere.
+/// 2. `far`: no pixel resolves barbules; STRIPE everywhere.
+/// 3. `mean`: no pixel resolves barbs; MEAN everywhere.
+/// 4. `mixed`: each pixel picks its evaluator.
+///
+/// The index is the class in the shaders; from 1 on the classes are those of [`crate::maths::query::Lod`].
 pub const CARD_COUNTERS: [&str; 5] = ["culled", "near", "far", "mean", "mixed"];
 
 pub(super) struct LodPlugin;
@@ -26,11 +35,7 @@ impl Plugin for LodPlugin {
         };
         render_app
             .init_gpu_resource::<pass::LodBirds>()
-            .add_systems(
-                RenderStartup,
-                pass::init_lod_pipeline
-                    .run_if(not(resource_exists_and_equals(FeatherPath::CutOut))),
-            )
+            .add_systems(RenderStartup, pass::init_lod_pipeline.run_if(path_is_full))
             .add_systems(ExtractSchedule, pass::extract_birds)
             .add_systems(
                 Render,

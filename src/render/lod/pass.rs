@@ -77,6 +77,14 @@ struct LodParams {
     padding: u32,
 }
 
+/// For the test that holds it against the shader.
+#[cfg(feature = "internals")]
+pub(in crate::render) fn params_layout() -> crate::shaders::StructLayout {
+    crate::shaders::struct_layout!(LodParams, "card/feather_lod.wgsl", "LodParams", {
+        world_from_local, card_count, skin_index, threshold, padding,
+    })
+}
+
 /// The compute pipeline and its layout.
 #[derive(Resource)]
 pub struct LodPipeline {

@@ -1,0 +1,1 @@
+//! The benchmarks of bevy_plumage: see `make bench`.

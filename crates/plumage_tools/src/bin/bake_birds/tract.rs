@@ -1,0 +1,308 @@
+//! Tracts: which plumage grows on which part of the skin, and where along it.
+
+use bevy::math::Vec3;
+
+use crate::body::{Body, Parts};
+
+/// Number of a tract, as written to `TEXCOORD_1.x`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u32)]
+pub enum Tract {
+    Bare = 0,
+    Crown = 1,
+    Nape = 2,
+    Cheek = 3,
+    NeckDorsal = 4,
+    NeckVentral = 5,
+    Mantle = 6,
+    Back = 7,
+    Rump = 8,
+    Breast = 9,
+    Belly = 10,
+    Flank = 11,
+    Vent = 12,
+    TailUpper = 13,
+    TailUnder = 14,
+    Femoral = 15,
+    Crural = 16,
+    Tarsal = 17,
+    LesserUpper = 18,
+    MarginalUpper = 19,
+    CovertUpper = 20,
+    LesserUnder = 21,
+    MarginalUnder = 22,
+    CovertUnder = 23,
+    /// Mantle below the scapulars, which overlap it.
+    ScapularMantle = 24,
+    /// Side of the trunk below the folded wing.
+    Side = 25,
+    /// Skin round the lore and chin that carries bristles (eagle).
+    Lore = 26,
+    /// Naked rim of the eye.
+    EyeRing = 27,
+    /// Upper side of the elbow, where no row of coverts stands.
+    Elbow = 28,
+}
+
+/// Tract at a point of the skin.
+pub fn classify(body: &Body, p: Vec3) -> Tract {
+    let s = body.species;
+    let q = Vec3::new(p.x.abs(), p.y, p.z);
+    let parts = body.parts(q);
+    let arcs = s.arcs;
+    if bare(body, q) {
+        let near = (q - s.joint("eye_L")).length() < 1.5 * s.eye[0];
+        return if near && s.is_parrot() {
+            Tract::EyeRing
+        } else {
+            Tract::Bare
+        };
+    }
+    let eye = s.joint("eye_L");
+    if !s.is_parrot() && ((q.y - eye.y) / 9.5).hypot((q.z - eye.z - 2.5) / 12.0) < 1.0 && q.x > 20.0
+    {
+        return Tract::EyeRing;
+    }
+    let core = parts.trunk.distance.min(parts.head.distance);
+    // The top of the knee belongs to the thigh: its feathers run down over it.
+    let leg = match nearest_leg(body, &parts) {
+        1 if q.y > s.joint("tibia_L").y - 0.4 * s.legs[0][1] => 0,
+        leg => leg,
+    };
+    if parts.legs[leg].0 < core - 3.0 && parts.legs[leg].0 < parts.wing && q.y < arcs.leg_top {
+        return [Tract::Femoral, Tract::Crural, Tract::Tarsal][leg];
+    }
+    if parts.wing + 0.25 * s.arm[0] < core {
+        return wing(body, q);
+    }
+    let joint = s.joint("head");
+    if q.y > arcs.head_plane - 0.15 * (joint.z - q.z) {
+        let u = q.z - joint.z;
+        let angle = parts.head.angle;
+        if !s.is_parrot() && lore(body, q) {
+            return Tract::Lore;
+        }
+        // Behind the cheeks the nape runs on into the hind neck.
+        let behind = parts.trunk.angle < 88.0 && u < -6.0 * s.scale.sqrt();
+        return if u < arcs.nape && (angle < arcs.head_angles[0] || behind) {
+            Tract::Nape
+        } else if u >= arcs.nape && angle < arcs.head_angles[1] {
+            Tract::Crown
+        } else {
+            Tract::Cheek
+        };
+    }
+    let (arc, theta) = (parts.trunk.arc, parts.trunk.angle);
+    let [tail, rump, back, mantle] = arcs.dorsal;
+    let [vent, belly] = arcs.ventral;
+    if arc >= mantle {
+        return if theta < 92.0 {
+            Tract::NeckDorsal
+        } else {
+            Tract::NeckVentral
+        };
+    }
+    if arc < tail {
+        return if theta < 88.0 {
+            Tract::TailUpper
+        } else {
+            Tract::TailUnder
+        };
+    }
+    if theta < 62.0 {
+        let scapular = theta > 40.0 && arc < arcs.scapulars;
+        return match arc {
+            a if a < rump => Tract::Rump,
+            a if a < back => Tract::Back,
+            _ if scapular => Tract::ScapularMantle,
+            _ => Tract::Mantle,
+        };
+    }
+    if theta > 102.0 && arc > belly {
+        return Tract::Breast;
+    }
+    if theta > 122.0 {
+        return if arc > vent {
+            Tract::Belly
+        } else {
+            Tract::Vent
+        };
+    }
+    if arc > side(body) && theta < 100.0 {
+        return Tract::Side;
+    }
+    Tract::Flank
+}
+
+/// Arc at which the flank, which covers the lower edge of the folded wing, gives way to the side below it.
+fn side(body: &Body) -> f32 {
+    let [vent, belly] = body.species.arcs.ventral;
+    0.5 * (vent + belly)
+}
+
+fn nearest_leg(body: &Body, parts: &Parts) -> usize {
+    let n = if body.species.feathered_tarsus { 3 } else { 2 };
+    (0..n)
+        .min_by(|a, b| parts.legs[*a].0.total_cmp(&parts.legs[*b].0))
+        .unwrap_or(0)
+}
+
+fn bare(body: &Body, q: Vec3) -> bool {
+    let s = body.species;
+    if s.is_parrot() {
+        // A rounded patch from the bill to behind the eye, joined to a rim round the bill.
+        let patch = rounded(q.z - 86.5, q.y - 313.5, 24.0, 16.0, 13.0);
+        let rim = rounded(q.z - 112.0, q.y - 299.5, 19.5, 31.0, 6.0);
+        let h = (0.5 + 0.5 * (rim - patch) / 10.0).clamp(0.0, 1.0);
+        rim * (1.0 - h) + patch * h - 10.0 * h * (1.0 - h) < 0.0
+    } else {
+        (q.z - 108.0).hypot(q.y - 517.0) < 19.5 - 0.05 * q.x * q.x && q.z > 94.0
+    }
+}
+
+/// Distance to a rectangle with rounded corners.
+fn rounded(x: f32, y: f32, half_x: f32, half_y: f32, radius: f32) -> f32 {
+    let (u, v) = (x.abs() - half_x + radius, y.abs() - half_y + radius);
+    u.max(0.0).hypot(v.max(0.0)) + u.max(v).min(0.0) - radius
+}
+
+fn lore(body: &Body, q: Vec3) -> bool {
+    let eye = body.species.joint("eye_L");
+    q.z > eye.z + 7.0 && q.y > eye.y - 16.0 && q.y < eye.y + 4.0 && q.x > 8.0
+}
+
+/// Chord share up to which the upper marginal coverts reach round the leading edge.
+const EDGE: f32 = 0.09;
+
+fn wing(body: &Body, q: Vec3) -> Tract {
+    let c = body.wing.chord(q);
+    // Marginal coverts wrap round the leading edge from below, so that no parting shows along it.
+    let facing = body.normal(q).dot(body.wing.normal);
+    let upper = facing > 0.0 || c < EDGE;
+    // Behind the humerus no remiges stand: small coverts reach the trailing edge.
+    let [shoulder, elbow, wrist, ..] = body.wing.points;
+    let humerus = crate::body::cone(q, shoulder, elbow, [0.0, 0.0]);
+    let inner = humerus.1 < 0.72 && humerus.0 < crate::body::cone(q, elbow, wrist, [0.0, 0.0]).0;
+    let on_hand = body.wing.flat(q).x > body.wing.flat(body.wing.points[2]).x;
+    // The tip of the last digit carries only flight feathers: small ones would stand off it.
+    let tip = body.wing.points[4];
+    if (q - wrist).dot(tip - wrist) > 0.92 * (tip - wrist).length_squared() {
+        return if upper {
+            Tract::CovertUpper
+        } else {
+            Tract::CovertUnder
+        };
+    }
+    if upper {
+        match c {
+            c if c < 0.22 => Tract::MarginalUpper,
+            c if c < if inner {
+                1.1
+            } else if on_hand {
+                0.5
+            } else {
+                0.74
+            } =>
+            {
+                Tract::LesserUpper
+            }
+            _ if facing > 0.4 && q.distance(elbow) < 0.42 * wrist.distance(elbow) => Tract::Elbow,
+            _ => Tract::CovertUpper,
+        }
+    } else {
+        match c {
+            c if c < 0.25 => Tract::MarginalUnder,
+            c if inner || c < 0.78 => Tract::LesserUnder,
+            _ => Tract::CovertUnder,
+        }
+    }
+}
+
+/// Place along a tract, 0 at its cranial end to 1 at its caudal end.
+pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
+    let s = body.species;
+    let q = Vec3::new(p.x.abs(), p.y, p.z);
+    let parts = body.parts(q);
+    let arcs = s.arcs;
+    let [tail, rump, back, mantle] = arcs.dorsal;
+    let [vent, belly] = arcs.ventral;
+    let arc = |from: f32, to: f32| (from - parts.trunk.arc) / (from - to);
+    let front = s.head[5][0];
+    let joint = s.joint("head").z;
+    let neck_end = s.trunk[12][0];
+    let c = || body.wing.chord(q);
+    let value = match tract {
+        Tract::Bare | Tract::Lore | Tract::EyeRing => (front - q.z) / 40.0,
+        Tract::Crown => (front - q.z) / (front - joint - arcs.nape),
+        Tract::Nape => (joint + arcs.nape - q.z) / 34.0 / s.scale.sqrt(),
+        Tract::Cheek => {
+            // Longest where it overhangs the neck, below as well as behind.
+            let low = (q.y - arcs.head_plane) / (1.1 * (s.joint("eye_L").y - arcs.head_plane));
+            let behind = (q.z - joint - arcs.nape) / (front - joint - arcs.nape);
+            1.0 - low.min(behind)
+        }
+        Tract::NeckDorsal | Tract::NeckVentral => arc(neck_end, mantle),
+        Tract::Mantle | Tract::ScapularMantle => arc(mantle, back),
+        Tract::Back => arc(back, rump),
+        Tract::Rump => arc(rump, tail),
+        Tract::Breast => arc(mantle, belly),
+        Tract::Belly => arc(belly, vent),
+        Tract::Vent => arc(vent, tail),
+        Tract::Flank => arc(belly, tail),
+        Tract::Side => arc(mantle, side(body)),
+        Tract::TailUpper | Tract::TailUnder => arc(tail, -0.6 * tail),
+        Tract::Femoral => {
+            let low = s.joint("tibia_L").y - s.legs[0][1];
+            (arcs.leg_top - q.y) / (arcs.leg_top - low)
+        }
+        Tract::Crural => parts.legs[1].1,
+        Tract::Tarsal => parts.legs[2].1,
+        Tract::MarginalUpper => {
+            let facing = body.normal(q).dot(body.wing.normal);
+            (c() * facing.signum() + EDGE) / (0.25 + EDGE)
+        }
+        Tract::MarginalUnder => (c() - EDGE) / (0.25 - EDGE),
+        Tract::LesserUpper => (c() - 0.22) / 0.52,
+        Tract::LesserUnder => (c() - 0.25) / 0.53,
+        Tract::CovertUpper | Tract::CovertUnder | Tract::Elbow => (c() - 0.74) / 0.26,
+    };
+    if value.is_finite() {
+        value.clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
+}
+
+/// Under-mesh color of a tract before darkening (sRGB hex): the color of the plumage above it.
+pub fn color(parrot: bool, tract: Tract) -> u32 {
+    use Tract::*;
+    if parrot {
+        match tract {
+            Bare | EyeRing => 0xF0E3D8,
+            Rump | TailUpper | TailUnder => 0x5DA9DC,
+            Vent => 0x9A5A6A,
+            Back => 0xA8504A,
+            CovertUpper | Elbow => 0x8A7A30,
+            LesserUnder | MarginalUnder | CovertUnder => 0xB03020,
+            Belly | Flank | Side | Femoral | Crural => 0xB8221A,
+            _ => 0xC4241A,
+        }
+    } else {
+        match tract {
+            Bare => 0xE8B62C,
+            Crown => 0x8B6239,
+            Nape | NeckDorsal => 0xA97B45,
+            Cheek | NeckVentral => 0x5C412A,
+            Lore => 0x4A3828,
+            EyeRing => 0x5A4628,
+            Rump => 0x5A4230,
+            Vent | TailUpper | TailUnder => 0x6B4E35,
+            Femoral => 0x54392A,
+            Crural => 0x7A5A3E,
+            Tarsal => 0x9A7B58,
+            LesserUpper | MarginalUpper | CovertUpper | Elbow => 0x5E462F,
+            LesserUnder | MarginalUnder | CovertUnder => 0x4C3725,
+            _ => 0x46321F,
+        }
+    }
+}

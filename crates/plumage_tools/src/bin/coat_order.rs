@@ -1,0 +1,168 @@
+//! Prints how much of a bird's coat is out of order: pixels that show a feather which another one should cover, by part of the
+//! body, in bind pose and over the idle clip, without a GPU.
+//!
+//! `cargo run -p plumage_tools --bin coat_order -- parrot --output order.png`: the picture has a row for each time asked for and a column
+//! for each view; wrong pixels are red, those of another color too are yellow.
+
+use bevy::math::Vec3;
+use bevy_plumage::groom::Coat;
+use clap::Parser;
+use plumage_reference::{crossing::Overlaps, visible::Pixel};
+use plumage_tests::{
+    order::{Measured, Tally},
+    scene_bird::SceneBird,
+};
+use std::time::Instant;
+
+/// What to measure.
+#[derive(Parser)]
+struct Args {
+    /// Name of the bird and its groom.
+    bird: String,
+    /// Phases of the idle clip.
+    #[arg(long, default_value_t = 12)]
+    phases: usize,
+    /// Side of a picture, pixels.
+    #[arg(long, default_value_t = 300)]
+    size: usize,
+    /// Depth within which the order decides, widths of a feather, as `FeatherSettings::order_window`.
+    #[arg(long, default_value_t = 0.0)]
+    window: f32,
+    /// Seed.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Density of the plumage.
+    #[arg(long, default_value_t = 1.0)]
+    density: f32,
+    /// Measure flicker too.
+    #[arg(long)]
+    flicker: bool,
+    /// Count the pairs that poke through each other, too.
+    #[arg(long)]
+    pairs: bool,
+    /// Picture of the wrong pixels.
+    #[arg(long)]
+    output: Option<String>,
+    /// Settles the coat at this time of the clip instead of in the groom's own pose, seconds.
+    #[arg(long)]
+    pose: Option<f32>,
+    /// Prints that pose for a groom file.
+    #[arg(long)]
+    print: bool,
+    /// Times of the clip in the picture, seconds.
+    #[arg(long, num_args = 1.., default_values_t = [0.0])]
+    times: Vec<f32>,
+}
+
+fn line(name: &str, tally: &Tally) {
+    let all = &tally.all;
+    println!(
+        "{name:>10}: {:6.2} % wrong, {:6.2} % wrong color, flicker {:.3} %, body painted over {:.3} %, {} px",
+        all.wrong(),
+        all.color(),
+        all.flicker(),
+        all.painted(),
+        all.feathers
+    );
+}
+
+/// Depth from which a pair counts as crossing, metres.
+const DEEP: f32 = 3.0e-4;
+
+fn pairs(name: &str, found: &Overlaps) {
+    println!(
+        "{name:>10}: {} pairs, {:.2} % deeper than 0.3 mm, {:.2} % deeper than 1 mm",
+        found.list.len(),
+        100.0 * found.share(DEEP),
+        100.0 * found.share(1.0e-3)
+    );
+}
+
+fn main() {
+    let args = Args::parse();
+    let mut bird = SceneBird::load(&args.bird);
+    if let Some(time) = args.pose {
+        let pose = bird.key_pose("rest", time);
+        if args.print {
+            for joint in &pose.joints {
+                println!("{joint:?}");
+            }
+        }
+        bird.groom.poses = vec![pose];
+    }
+    let begun = Instant::now();
+    let coat: Coat = bird.groom(args.seed, args.density);
+    println!(
+        "{}: {} cards in {:.2} s",
+        args.bird,
+        coat.cards.len(),
+        begun.elapsed().as_secs_f32()
+    );
+    let measured = Measured::new(&bird, &coat, args.size, args.window);
+    line("bind", &measured.tally(None, false));
+    if args.pairs {
+        pairs("bind", &measured.pairs(None));
+        pairs("rest", &measured.pairs(Some(0.0)));
+    }
+    let mut sum = Tally::default();
+    for time in measured.phases(args.phases) {
+        let tally = measured.tally(Some(time), args.flicker);
+        line(&format!("{time:.2} s"), &tally);
+        sum.add(&tally);
+    }
+    line("idle", &sum);
+    for (part, count) in &sum.parts {
+        println!(
+            "  {part:<28} {:6.2} % wrong, {:6.2} % wrong color, {} px",
+            count.wrong(),
+            count.color(),
+            count.feathers
+        );
+    }
+    if let Some(output) = &args.output {
+        if let Err(error) = picture(&measured, &args.times).save(output) {
+            eprintln!("{output}: {error}");
+            std::process::exit(1);
+        }
+        println!("wrote {output}");
+    }
+}
+
+/// The pixels in their tints, the wrong ones marked.
+fn picture(measured: &Measured, times: &[f32]) -> image::RgbImage {
+    let size = measured.size as u32;
+    let mut picture = image::RgbImage::new(1, 1);
+    for (row, time) in times.iter().enumerate() {
+        let pose = measured.pose(Some(*time));
+        let views = measured.views(&pose);
+        if row == 0 {
+            picture = image::RgbImage::new(size * views.len() as u32, size * times.len() as u32);
+        }
+        for (column, view) in views.iter().enumerate() {
+            let (layers, pixels) = measured.judge(&pose, view);
+            for (number, pixel) in pixels.iter().enumerate() {
+                let tint = |card: u32| {
+                    let shown = layers.at(number).iter().find(|f| f.card == card);
+                    let along = shown.map_or(1.0, |fragment| fragment.along);
+                    let card = &measured.coat.cards[card as usize];
+                    Vec3::from_array(card.tint) * (0.5 + 0.5 * along)
+                };
+                let color = match *pixel {
+                    Pixel::Empty => Vec3::splat(0.5),
+                    Pixel::Right(card) => tint(card),
+                    Pixel::Wrong(_) => Vec3::new(0.9, 0.02, 0.02),
+                    Pixel::WrongColor(_) => Vec3::new(0.95, 0.9, 0.02),
+                };
+                let srgb = color
+                    .to_array()
+                    .map(|x| (x.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0) as u8);
+                picture.put_pixel(
+                    column as u32 * size + number as u32 % size,
+                    row as u32 * size + number as u32 / size,
+                    image::Rgb(srgb),
+                );
+            }
+        }
+    }
+    picture
+}

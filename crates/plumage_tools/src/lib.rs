@@ -1,0 +1,6 @@
+//! Programs that bake assets, draw charts and preview grooms, each in `bin`; what they share is here.
+//!
+//! It may use the library, its references and the tests' support; nothing may use it.
+
+pub mod plot;
+pub mod presets;

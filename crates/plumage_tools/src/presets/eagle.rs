@@ -1,0 +1,344 @@
+//! Golden eagle. Sizes, microstructure and colors: docs/book/birds.md#sources-of-the-data.
+
+use super::profiles::*;
+use super::template::*;
+use bevy_plumage::anatomy::{Albedo, Bars, Pattern, Rim};
+
+const DOWN: u32 = 0xD8D2C8;
+const DARK: u32 = 0x33271F;
+const BROWN: u32 = 0x4A3524;
+
+const HEAD: Micro = Micro {
+    pitch: [0.35; 2],
+    angle: [32.0; 2],
+    ramus: 20.0,
+    spacing: [30.0, 40.0],
+    barbule_angle: [38.0, 35.0],
+    radius: HOOKED,
+    shaft: [0.4, 0.22, 0.05],
+    downy: 0.50,
+};
+const CONTOUR: Micro = Micro {
+    pitch: [0.55; 2],
+    angle: [42.0; 2],
+    ramus: 35.0,
+    spacing: [29.0, 42.0],
+    barbule_angle: [40.0, 35.0],
+    radius: HOOKED,
+    shaft: [1.3, 0.75, 0.12],
+    downy: 0.48,
+};
+const SOFT_MICRO: Micro = Micro {
+    pitch: [0.65; 2],
+    angle: [44.0; 2],
+    ramus: 28.0,
+    spacing: [32.0, 44.0],
+    barbule_angle: [45.0; 2],
+    radius: super::template::SOFT,
+    shaft: [0.8, 0.4, 0.06],
+    downy: 0.62,
+};
+const PRIMARY: Micro = Micro {
+    pitch: [0.95, 0.53],
+    angle: [17.0, 36.0],
+    ramus: 80.0,
+    spacing: [29.0, 44.0],
+    barbule_angle: [45.0, 35.0],
+    radius: HOOKED,
+    shaft: [6.8, 2.3, 0.4],
+    downy: 0.04,
+};
+
+/// A grey ground that ends in a dark tip, with dark wavy bars over it: over the tip they vanish. Paler below.
+fn barred(count: f32, share: f32, waviness: f32, tip: f32, dark: u32) -> Albedo {
+    let pattern = |ground: u32, dark: u32| Pattern {
+        bars: Some(Bars {
+            count,
+            color: hex(dark),
+            share,
+            waviness,
+        }),
+        mottle: 0.28,
+        ..stops(&[
+            (0.0, DOWN, 0.0),
+            (0.05, ground, 0.0),
+            (tip - 0.06, ground, 0.0),
+            (tip + 0.03, dark, 0.5),
+            (1.0, dark, 0.5),
+        ])
+    };
+    faces(pattern(0x6B6058, dark), pattern(0x8F857A, 0x554A40))
+}
+
+fn rimmed(pattern: Pattern, width: f32, rgb: u32) -> Albedo {
+    both(Pattern {
+        rim: Some(Rim {
+            width,
+            color: hex(rgb),
+            tint: 0.15,
+        }),
+        ..pattern
+    })
+}
+
+/// E1 to E12.
+pub(super) fn all() -> Vec<Template> {
+    let head = Template {
+        name: "eagle_head",
+        length_mm: 15.0,
+        width_mm: 7.5,
+        left_share: 0.5,
+        bend: 0.02,
+        start: 0.03,
+        left: super::profiles::SOFT,
+        right: super::profiles::SOFT,
+        micro: HEAD,
+        fringe: 0.18,
+        gaps: gaps(3, 0.012, 0.3, 31),
+        albedo: rimmed(body(0.5, DOWN, 0x4A3626, 0x8B6239), 0.14, 0xC08A4C),
+        structural: false,
+    };
+    let contour = Template {
+        name: "eagle_contour",
+        length_mm: 65.0,
+        width_mm: 36.0,
+        left_share: 0.49,
+        micro: CONTOUR,
+        left: BLUNT,
+        right: ROUND,
+        fringe: 0.08,
+        gaps: gaps(4, 0.008, 0.4, 33),
+        albedo: rimmed(body(0.46, DOWN, 0x3A2A1E, BROWN), 0.09, 0x8A6D4E),
+        ..head.clone()
+    };
+    let primary = Template {
+        name: "eagle_primary",
+        length_mm: 489.0,
+        width_mm: 64.0,
+        left_share: 0.24,
+        bend: 0.07,
+        start: 0.025,
+        left: FINGER_LEADING,
+        right: FINGER_TRAILING,
+        micro: PRIMARY,
+        fringe: 0.02,
+        gaps: gaps(3, 0.003, 0.3, 38),
+        albedo: {
+            let pattern = |base: u32, ground: u32, dark: u32| Pattern {
+                bars: Some(Bars {
+                    count: 13.0,
+                    color: hex(dark),
+                    share: 0.34,
+                    waviness: 0.9,
+                }),
+                mottle: 0.3,
+                ..stops(&[
+                    (0.0, DOWN, 0.0),
+                    (0.05, base, 0.0),
+                    (0.36, ground, 0.0),
+                    (0.5, dark, 0.5),
+                    (1.0, dark, 0.5),
+                ])
+            };
+            faces(
+                pattern(0x8A8075, 0x6A5F55, DARK),
+                pattern(0xB5ACA0, 0x968B80, 0x4E443B),
+            )
+        },
+        structural: false,
+    };
+    vec![
+        head.clone(),
+        Template {
+            name: "eagle_bristle",
+            length_mm: 9.0,
+            width_mm: 0.9,
+            start: 0.03,
+            left: BRISTLE,
+            right: BRISTLE,
+            micro: Micro {
+                pitch: [0.4; 2],
+                shaft: [0.3, 0.14, 0.03],
+                downy: 0.3,
+                ..HEAD
+            },
+            gaps: gaps(0, 0.01, 0.3, 30),
+            albedo: both(stops(&[(0.0, 0x3A2A1C, 1.0), (1.0, 0x2A1E14, 1.0)])),
+            ..head.clone()
+        },
+        Template {
+            name: "eagle_hackle",
+            length_mm: 50.0,
+            width_mm: 13.0,
+            left: LANCEOLATE,
+            right: LANCEOLATE,
+            micro: Micro {
+                pitch: [0.50; 2],
+                angle: [24.0; 2],
+                ramus: 30.0,
+                spacing: [30.0, 42.0],
+                barbule_angle: [38.0, 35.0],
+                shaft: [0.9, 0.5, 0.08],
+                downy: 0.40,
+                ..CONTOUR
+            },
+            fringe: 0.35,
+            gaps: gaps(4, 0.008, 0.35, 32),
+            albedo: both(Pattern {
+                mottle: 0.12,
+                ..stops(&[
+                    (0.0, DOWN, 0.0),
+                    (0.25, DOWN, 0.0),
+                    (0.4, 0x4A3220, 0.0),
+                    (0.55, 0x4A3220, 0.3),
+                    (0.75, 0xC4924F, 1.0),
+                    (1.0, 0xC4924F, 0.9),
+                ])
+            }),
+            ..contour.clone()
+        },
+        contour.clone(),
+        Template {
+            name: "eagle_soft",
+            width_mm: 37.0,
+            left: super::profiles::SOFT,
+            right: super::profiles::SOFT,
+            micro: SOFT_MICRO,
+            fringe: 0.34,
+            gaps: gaps(7, 0.010, 0.45, 34),
+            albedo: both(body(0.58, DOWN, 0x4A3A2C, BROWN)),
+            ..contour.clone()
+        },
+        Template {
+            name: "eagle_semiplume",
+            length_mm: 34.0,
+            width_mm: 22.0,
+            left: TUFT,
+            right: TUFT,
+            micro: Micro {
+                pitch: [0.75; 2],
+                angle: [55.0; 2],
+                ramus: 20.0,
+                spacing: [25.0; 2],
+                barbule_angle: [60.0; 2],
+                radius: THREAD,
+                shaft: [0.5, 0.25, 0.04],
+                downy: 0.95,
+            },
+            fringe: 0.6,
+            gaps: gaps(10, 0.014, 0.5, 35),
+            albedo: both(stops(&[
+                (0.0, DOWN, 0.0),
+                (0.75, DOWN, 0.1),
+                (1.0, 0xA89A88, 0.6),
+            ])),
+            ..contour.clone()
+        },
+        Template {
+            name: "eagle_lesser",
+            length_mm: 45.0,
+            width_mm: 27.0,
+            left: SPADE,
+            right: SPADE,
+            micro: Micro {
+                pitch: [0.48; 2],
+                angle: [40.0; 2],
+                shaft: [1.1, 0.6, 0.1],
+                downy: 0.42,
+                ..CONTOUR
+            },
+            fringe: 0.04,
+            gaps: gaps(3, 0.007, 0.35, 36),
+            albedo: rimmed(body(0.42, DOWN, 0x3A2A1E, 0x5A4230), 0.11, 0x9A7C5C),
+            ..contour.clone()
+        },
+        Template {
+            name: "eagle_greater",
+            length_mm: 122.0,
+            width_mm: 46.0,
+            left_share: 0.4,
+            bend: 0.04,
+            left: OBLONG,
+            right: OBLONG_FULL,
+            micro: Micro {
+                pitch: [0.60, 0.50],
+                angle: [30.0, 38.0],
+                ramus: 50.0,
+                barbule_angle: [42.0, 35.0],
+                shaft: [2.6, 1.2, 0.2],
+                downy: 0.22,
+                ..CONTOUR
+            },
+            fringe: 0.03,
+            gaps: gaps(3, 0.005, 0.35, 37),
+            albedo: rimmed(body(0.22, DOWN, 0x4A3C30, 0x4A3726), 0.07, 0x7A5C40),
+            ..contour.clone()
+        },
+        primary.clone(),
+        Template {
+            name: "eagle_secondary",
+            length_mm: 312.0,
+            width_mm: 75.0,
+            left_share: 0.38,
+            bend: 0.07,
+            left: REMEX_LEADING,
+            right: REMEX_TRAILING,
+            micro: Micro {
+                pitch: [0.80, 0.52],
+                angle: [22.0, 36.0],
+                ramus: 75.0,
+                shaft: [6.0, 2.2, 0.4],
+                downy: 0.05,
+                ..PRIMARY
+            },
+            gaps: gaps(3, 0.004, 0.35, 39),
+            albedo: barred(6.0, 0.56, 0.5, 0.86, 0x3B2E25),
+            ..primary.clone()
+        },
+        Template {
+            name: "eagle_rectrix",
+            length_mm: 345.0,
+            width_mm: 62.0,
+            left_share: 0.46,
+            bend: 0.03,
+            left: SQUARE,
+            right: SQUARE,
+            micro: Micro {
+                pitch: [0.70, 0.55],
+                angle: [26.0, 34.0],
+                ramus: 75.0,
+                shaft: [6.0, 2.2, 0.4],
+                downy: 0.05,
+                ..PRIMARY
+            },
+            gaps: gaps(3, 0.004, 0.35, 40),
+            albedo: barred(6.5, 0.42, 0.85, 0.78, 0x2A201A),
+            ..primary
+        },
+        Template {
+            name: "eagle_trouser",
+            length_mm: 62.0,
+            width_mm: 25.0,
+            bend: 0.05,
+            left: super::profiles::SOFT,
+            right: super::profiles::SOFT,
+            micro: SOFT_MICRO,
+            fringe: 0.5,
+            gaps: gaps(8, 0.010, 0.5, 41),
+            albedo: both(body(0.55, DOWN, 0x6A5440, 0x6E4F34)),
+            ..contour.clone()
+        },
+        Template {
+            name: "eagle_tarsal",
+            length_mm: 28.0,
+            width_mm: 16.8,
+            left: super::profiles::SOFT,
+            right: TUFT,
+            micro: SOFT_MICRO,
+            fringe: 0.6,
+            gaps: gaps(9, 0.013, 0.5, 42),
+            albedo: both(body(0.5, DOWN, 0xB39A7C, 0x9A7B58)),
+            ..contour
+        },
+    ]
+}

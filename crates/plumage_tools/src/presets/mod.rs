@@ -1,0 +1,47 @@
+//! Feathers made in code: two birds and one neutral feather per type. Only numbers of feathers live here.
+//!
+//! `macaw_*` and `eagle_*` follow docs/book/birds.md#sources-of-the-data; the neutral ones
+//! take the medians of measured birds. The tool `bake_feathers` makes the files in `assets/feathers` from these.
+//! The left vane is the leading, narrower one of a flight feather; grooms mirror it where needed.
+
+mod eagle;
+mod generic;
+mod macaw;
+mod profiles;
+mod template;
+
+use bevy_plumage::anatomy::Feather;
+
+fn templates() -> impl Iterator<Item = template::Template> {
+    macaw::all()
+        .into_iter()
+        .chain(eagle::all())
+        .chain(generic::all())
+}
+
+/// Every preset; its name is [`Feather::name`], its file `NAME.feather.ron`.
+pub fn all() -> Vec<Feather> {
+    templates().map(|template| template.build()).collect()
+}
+
+/// The preset of that name.
+pub fn by_name(name: &str) -> Option<Feather> {
+    templates()
+        .find(|template| template.name == name)
+        .map(|template| template.build())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plumage_tests::shipped;
+
+    #[test]
+    fn the_files_are_made_from_the_presets() {
+        let names: Vec<String> = all().into_iter().map(|feather| feather.name).collect();
+        assert_eq!(names, shipped::FEATHERS);
+        for (preset, file) in all().into_iter().zip(shipped::feathers()) {
+            assert!(preset == file, "{}: run make feathers", preset.name);
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! The command line that all examples share.
+
+use bevy::prelude::*;
+use bevy_plumage::{CoverageMethod, prelude::*};
+use clap::{
+    Parser, ValueEnum,
+    builder::{PossibleValuesParser, TypedValueParser},
+};
+use std::path::PathBuf;
+
+/// Where the camera stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Shot {
+    /// Three-quarter front view of the whole subject.
+    #[default]
+    Hero,
+    /// A hand's width away: barbs.
+    Closeup,
+    /// Closer still: barbules.
+    Macro,
+    /// From the side, everything in the picture.
+    Full,
+    /// From behind.
+    Back,
+    /// From far away.
+    Far,
+    /// Circles the subject.
+    Orbit,
+}
+
+/// What fur consists of; the alternatives that the hybrid fur paper compares.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum FurMode {
+    /// Single hairs only.
+    Explicit,
+    /// The marched volume only.
+    Volume,
+    /// Both.
+    #[default]
+    Hybrid,
+    /// Shells with precomputed transfer.
+    Shells,
+}
+
+/// Names of the debug views on the command line.
+pub const VIEWS: &[(&str, DebugView)] = &[
+    ("shaded", DebugView::None),
+    ("coverage", DebugView::Coverage),
+    ("lod", DebugView::Lod),
+    ("card", DebugView::Card),
+    ("layer", DebugView::Layer),
+    ("normal", DebugView::Normal),
+    ("barb", DebugView::Barb),
+    ("lobe", DebugView::Lobe),
+    ("overdraw", DebugView::Overdraw),
+];
+
+const FUR_VIEWS: &[(&str, UndercoatView)] = &[
+    ("shaded", UndercoatView::None),
+    ("prism", UndercoatView::Prism),
+    ("cells", UndercoatView::Cells),
+    ("height", UndercoatView::Height),
+    ("tier", UndercoatView::Tier),
+    ("opacity", UndercoatView::Opacity),
+    ("sky", UndercoatView::Sky),
+    ("bent", UndercoatView::Bent),
+    ("normal", UndercoatView::Normal),
+    ("tile", UndercoatView::Tile),
+];
+
+const COVERAGES: &[(&str, CoverageMethod)] = &[
+    ("chosen", CoverageMethod::Chosen),
+    #[cfg(feature = "comparison")]
+    ("published", CoverageMethod::Published),
+    #[cfg(feature = "comparison")]
+    ("supersampled", CoverageMethod::Supersampled),
+];
+
+const TRANSPARENCIES: &[(&str, FeatherTransparency)] = &[
+    ("alpha-to-coverage", FeatherTransparency::AlphaToCoverage),
+    ("hashed", FeatherTransparency::Hashed),
+    ("order-independent", FeatherTransparency::OrderIndependent),
+    ("blend", FeatherTransparency::Blend),
+];
+
+/// Parses one of the names in a table.
+fn one_of<T: Copy + Send + Sync + 'static>(
+    table: &'static [(&'static str, T)],
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(table.iter().map(|(name, _)| *name)).try_map(move |given| {
+        let entry = table.iter().find(|(name, _)| *name == given);
+        entry.map(|(_, value)| *value).ok_or("no such name")
+    })
+}
+
+/// Options of the examples. Each example ignores those that are not about it.
+#[derive(Parser, Resource, Clone, Debug)]
+pub struct Args {
+    /// Render off screen even if there is a display.
+    #[arg(long)]
+    pub headless: bool,
+    /// Size of the window or picture, pixels.
+    #[arg(long, default_value = "960x540", value_parser = parse_size)]
+    pub size: (u32, u32),
+    /// Folder of the assets, with `birds`, `grooms` and `feathers` in it.
+    #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/assets"))]
+    pub assets: PathBuf,
+
+    /// Where the camera stands.
+    #[arg(long, value_enum, default_value_t, help_heading = "Camera")]
+    pub camera: Shot,
+    /// Camera distance relative to the shot's own.
+    #[arg(long, default_value_t = 1.0, help_heading = "Camera")]
+    pub distance: f32,
+    /// Turns the camera around its subject, degrees.
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        allow_hyphen_values = true,
+        help_heading = "Camera"
+    )]
+    pub turn: f32,
+    /// Raises the camera about its subject (below 0: lowers it), degrees.
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        allow_hyphen_values = true,
+        help_heading = "Camera"
+    )]
+    pub tilt: f32,
+
+    /// Freeze the animation at this time, seconds.
+    #[arg(long, help_heading = "Scene")]
+    pub time: Option<f32>,
+    /// Number of feathers relative to the groom's own; the example's choice when absent.
+    #[arg(long, help_heading = "Scene")]
+    pub density: Option<f32>,
+    /// Seed of the groom.
+    #[arg(long, default_value_t = 1, help_heading = "Scene")]
+    pub seed: u64,
+    /// Speed of the wind from the front, m/s; gusts add as much again.
+    #[arg(long, default_value_t = 0.0, help_heading = "Scene")]
+    pub wind: f32,
+    /// How far the birds ruffle their feathers, 0 to 1.
+    #[arg(long, default_value_t = 0.0, help_heading = "Scene")]
+    pub ruffle: f32,
+    /// Puts the sun behind the subject.
+    #[arg(long, help_heading = "Scene")]
+    pub backlight: bool,
+    /// Turns the sun around the subject, degrees.
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        allow_hyphen_values = true,
+        help_heading = "Scene"
+    )]
+    pub sun: f32,
+
+    /// What is drawn.
+    #[arg(long, default_value = "shaded", value_parser = one_of(VIEWS), help_heading = "Rendering")]
+    pub view: DebugView,
+    /// What is drawn instead of shaded fur.
+    #[arg(long, default_value = "shaded", value_parser = one_of(FUR_VIEWS), help_heading = "Rendering")]
+    pub fur_view: UndercoatView,
+    /// Transparency mode of the feathers; the example's choice when absent.
+    #[arg(long, value_parser = one_of(TRANSPARENCIES), help_heading = "Rendering")]
+    pub transparency: Option<FeatherTransparency>,
+    /// How coverage is found (all but `chosen` need the feature `comparison`).
+    #[arg(long, default_value = "chosen", value_parser = one_of(COVERAGES), help_heading = "Rendering")]
+    pub coverage: CoverageMethod,
+    /// Samples of the sky per pixel, 0 to 1024; 0 takes the prefiltered maps.
+    #[arg(long, default_value_t = 0, help_heading = "Rendering")]
+    pub env_samples: u32,
+    /// For slow machines: no shadows; `inspector` also draws the bird smaller, and only when something has changed.
+    #[arg(long, help_heading = "Rendering")]
+    pub lean: bool,
+
+    /// Picture to write; NAME.png when absent.
+    #[arg(long, help_heading = "Off screen")]
+    pub output: Option<PathBuf>,
+    /// Frames to render once everything is loaded.
+    #[arg(long, default_value_t = 2, help_heading = "Off screen")]
+    pub frames: u32,
+    /// Statistics to write, as JSON.
+    #[arg(long, help_heading = "Off screen")]
+    pub stats: Option<PathBuf>,
+    /// Print a line with the adapter, milliseconds a frame and bytes of fur; `--frames` says how many are timed.
+    #[arg(long, help_heading = "Off screen")]
+    pub bench: bool,
+    /// Render by every way to find coverage; write what each costs and how wrong it is, as JSON.
+    #[cfg(feature = "comparison")]
+    #[arg(long, help_heading = "Off screen")]
+    pub compare: Option<PathBuf>,
+
+    /// `single_feather`: a file of `assets/feathers`, without its ending.
+    #[arg(long, default_value = "macaw_primary", help_heading = "Subject")]
+    pub feather: String,
+    /// `single_feather`: a photograph to make a feather of and to show beside it (feature `photo`).
+    #[arg(long, help_heading = "Subject")]
+    pub photo: Option<PathBuf>,
+    /// `your_own_mesh`, `fur`: a glTF file.
+    #[arg(long, help_heading = "Subject")]
+    pub mesh: Option<PathBuf>,
+    /// Animation of that file that plays.
+    #[arg(long, default_value_t = 0, help_heading = "Subject")]
+    pub clip: usize,
+    /// `fur`: how it is drawn.
+    #[arg(long, value_enum, default_value_t, help_heading = "Subject")]
+    pub mode: FurMode,
+    /// `fur`, `chick`: a file of `assets/downs`, without its ending; the example's choice when absent.
+    #[arg(long, help_heading = "Subject")]
+    pub down: Option<String>,
+}
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let (width, height) = text
+        .split_once('x')
+        .ok_or_else(|| format!("`{text}` is not WIDTHxHEIGHT"))?;
+    let side = |text: &str| {
+        text.parse::<u32>()
+            .ok()
+            .filter(|side| (16..=8192).contains(side))
+            .ok_or_else(|| format!("`{text}`: a side is 16 to 8192 pixels"))
+    };
+    Ok((side(width)?, side(height)?))
+}
+
+impl Args {
+    /// Whether there is no screen to show a window on, or none is wanted.
+    pub fn off_screen(&self) -> bool {
+        let no_display = cfg!(target_os = "linux")
+            && std::env::var_os("DISPLAY").is_none()
+            && std::env::var_os("WAYLAND_DISPLAY").is_none();
+        self.headless || no_display
+    }
+
+    /// The quality that the command line asks for; `usual` is the example's own transparency mode.
+    pub fn quality(&self, usual: FeatherTransparency) -> FeatherQuality {
+        let mut quality = FeatherQuality {
+            transparency: self.transparency.unwrap_or(usual),
+            ..default()
+        };
+        quality.settings.debug_view = self.view;
+        quality.settings.coverage_method = self.coverage;
+        quality.settings.environment_samples = self.env_samples;
+        quality
+    }
+
+    /// The ruffle that the command line asks for.
+    pub fn ruffle(&self) -> Ruffle {
+        Ruffle {
+            amount: self.ruffle,
+            ..default()
+        }
+    }
+
+    /// Samples of the camera: none for the transparency modes that do without.
+    pub fn msaa(&self) -> Msaa {
+        match self.transparency {
+            Some(FeatherTransparency::Hashed | FeatherTransparency::OrderIndependent) => Msaa::Off,
+            _ => Msaa::Sample4,
+        }
+    }
+}

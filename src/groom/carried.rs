@@ -1,0 +1,65 @@
+//! The vertices of a coat as the joints of one pose carry them.
+
+use super::{leaf::Leaf, pose::blend};
+use bevy::math::{Affine3A, Vec3};
+
+/// One feather's block of vertices.
+pub struct Block {
+    /// First vertex.
+    pub first: usize,
+    /// Vertices across.
+    pub wide: usize,
+    /// Vertices along.
+    pub rows: usize,
+}
+
+/// The vertices of a coat before they are raised, in one pose.
+pub struct Carried {
+    /// Blocks, one per leaf.
+    pub blocks: Vec<Block>,
+    /// Places.
+    pub places: Vec<Vec3>,
+    /// Where a unit of height goes: the normal of bind pose as the joints carry it.
+    pub normals: Vec<Vec3>,
+    /// Median width of the cards, metres.
+    pub median: f32,
+}
+
+impl Carried {
+    /// Carries the leaves. `skinning`: what each joint, those of rows included, does to bind pose; empty: bind pose.
+    pub fn new(leaves: &[Leaf], skinning: &[Affine3A]) -> Self {
+        let mut blocks = Vec::with_capacity(leaves.len());
+        let (mut places, mut normals) = (Vec::new(), Vec::new());
+        for leaf in leaves {
+            let (rows, wide) = (leaf.shaft.points.len(), leaf.columns + 1);
+            blocks.push(Block {
+                first: places.len(),
+                wide,
+                rows,
+            });
+            for i in 0..rows {
+                let map = blend(&leaf.weights_at(i), skinning);
+                for j in 0..wide {
+                    let x = 2.0 * j as f32 / leaf.columns as f32 - 1.0;
+                    places.push(map.transform_point3(leaf.place(i, x)));
+                    normals.push(map.transform_vector3(leaf.normal(i, x)));
+                }
+            }
+        }
+        let mut widths: Vec<f32> = leaves.iter().map(|leaf| leaf.card.width).collect();
+        widths.sort_by(f32::total_cmp);
+        let median = widths.get(widths.len() / 2).copied().unwrap_or(0.0);
+        Self {
+            blocks,
+            places,
+            normals,
+            median,
+        }
+    }
+
+    /// Places with heights.
+    pub fn raised(&self, heights: &[f32]) -> Vec<Vec3> {
+        let parts = self.places.iter().zip(&self.normals).zip(heights);
+        parts.map(|((p, n), h)| *p + *n * *h).collect()
+    }
+}

@@ -1,0 +1,386 @@
+//! Where feathers of a posed coat touch: samples of one over or under the triangles of another.
+
+use super::{
+    carried::{Block, Carried},
+    grid::PointGrid,
+    leaf::Leaf,
+};
+use bevy::{
+    math::Vec3,
+    tasks::{ComputeTaskPool, TaskPool},
+};
+
+/// Samples that must lie on the right side: shares of the length,
+const ALONG: [f32; 8] = [0.12, 0.2, 0.3, 0.4, 0.5, 0.62, 0.8, 0.97];
+/// and of half the blade's width, taken in turn.
+const ACROSS: [[f32; 3]; 2] = [[-0.9, 0.0, 0.9], [-0.75, 0.0, 0.75]];
+/// The same at the tip.
+const ACROSS_TIP: [f32; 3] = [-0.6, 0.0, 0.6];
+/// Clear height between two feathers, in widths of the narrower.
+const GAP: f32 = 0.02;
+/// Deepest crossing that is looked for, in widths of the narrower.
+const REACH: f32 = 0.5;
+/// Cosine between the normals of two feathers that cover each other, at least.
+const FACING: f32 = 0.2;
+/// Cosine between the normals of two feathers that lie back to back, at most.
+const BACK: f32 = -0.3;
+/// Feathers next in rank that a sample is kept on the right side of.
+const NEXT: usize = 12;
+/// Feathers of the other face that it is kept away from.
+const BEHIND: usize = 8;
+/// Samples that one task takes.
+const CHUNK: usize = 2048;
+
+/// A place on a feather: three vertices and their shares.
+pub type Spot = [(u32, f32); 3];
+
+/// Two places, one over the other.
+pub struct Contact {
+    /// The upper.
+    pub upper: Spot,
+    /// The lower.
+    pub lower: Spot,
+    /// Height of the upper over the lower where no vertex is raised.
+    pub height: f32,
+    /// The same as it should be, at least.
+    pub gap: f32,
+    /// What a unit of height of the lower adds: -1, or 1 back to back, where both move away from each other.
+    pub sign: f32,
+}
+
+/// What the heights of the vertices make of a place.
+pub fn raise(spot: &Spot, heights: &[f32]) -> f32 {
+    spot.iter()
+        .map(|(i, share)| heights[*i as usize] * share)
+        .sum()
+}
+
+/// Half the width of the blade at share `v`, in half widths of the card: a rounded feather.
+fn blade(v: f32) -> f32 {
+    let end = ((v - 0.62) / 0.38).max(0.0);
+    (0.25 + 2.5 * v).min(1.0) * (1.0 - end * end).max(0.0).sqrt()
+}
+
+impl Block {
+    fn vertex(&self, i: usize, j: usize) -> u32 {
+        (self.first + i * self.wide + j) as u32
+    }
+
+    /// The triangle of the mesh at shares across (-1..1) and along (0..1).
+    fn spot(&self, across: f32, along: f32) -> Spot {
+        let x = (0.5 + 0.5 * across).clamp(0.0, 1.0) * (self.wide - 1) as f32;
+        let y = along.clamp(0.0, 1.0) * (self.rows - 1) as f32;
+        let (j, i) = (
+            (x as usize).min(self.wide - 2),
+            (y as usize).min(self.rows - 2),
+        );
+        let (u, v) = (x - j as f32, y - i as f32);
+        let (a, c) = (self.vertex(i, j), self.vertex(i + 1, j + 1));
+        if u > v {
+            [(a, 1.0 - u), (self.vertex(i, j + 1), u - v), (c, v)]
+        } else {
+            [(a, 1.0 - v), (self.vertex(i + 1, j), v - u), (c, u)]
+        }
+    }
+}
+
+fn at(spot: &Spot, points: &[Vec3]) -> Vec3 {
+    spot.iter().fold(Vec3::ZERO, |sum, (i, share)| {
+        sum + points[*i as usize] * *share
+    })
+}
+
+struct Sample {
+    leaf: u32,
+    spot: Spot,
+    place: Vec3,
+    normal: Vec3,
+    along: f32,
+}
+
+/// How a whole feather stands.
+struct Stand {
+    root: Vec3,
+    normal: Vec3,
+    /// Middle and normal in bind pose.
+    rest: (Vec3, Vec3),
+}
+
+/// Looks for the contacts of a coat as it now stands.
+pub struct Finder<'a> {
+    leaves: &'a [Leaf],
+    blocks: &'a [Block],
+    points: Vec<Vec3>,
+    heights: &'a [f32],
+    samples: Vec<Sample>,
+    stands: Vec<Stand>,
+    grid: PointGrid,
+    median: f32,
+}
+
+/// What one task keeps from sample to sample.
+struct Scratch {
+    /// Sample for which a leaf was last found, and where it then stands in `near`.
+    slots: Vec<(u32, u32)>,
+    near: Vec<Near>,
+    behind: Vec<Near>,
+}
+
+/// A feather near a sample, through the nearest of its own.
+#[derive(Clone, Copy)]
+struct Near {
+    leaf: u32,
+    distance: f32,
+    along: f32,
+}
+
+impl<'a> Finder<'a> {
+    /// Takes samples of all leaves, those of the lowest first.
+    pub fn new(leaves: &'a [Leaf], carried: &'a Carried, heights: &'a [f32]) -> Self {
+        let blocks = &carried.blocks;
+        let points = carried.raised(heights);
+        let mut samples = Vec::with_capacity(blocks.len() * ALONG.len() * 3);
+        let mut stands = Vec::with_capacity(blocks.len());
+        for (block, leaf) in blocks.iter().zip(leaves) {
+            let middle = block.rows / 2;
+            stands.push(Stand {
+                root: points[block.first + block.wide / 2],
+                normal: carried.normals[block.first + middle * block.wide + block.wide / 2],
+                rest: (leaf.shaft.points[middle], leaf.shaft.normals[middle]),
+            });
+        }
+        // From the lowest up: what is raised off the skin raises all that lies over it in one round of the projection.
+        let mut rising: Vec<usize> = (0..leaves.len()).collect();
+        rising.sort_by(|&a, &b| {
+            let layer = leaves[a].card.layer.total_cmp(&leaves[b].card.layer);
+            layer.then(a.cmp(&b))
+        });
+        for number in rising {
+            let block = &blocks[number];
+            let mut shares = ALONG.to_vec();
+            // No fewer places than the mesh has segments.
+            if block.rows > ALONG.len() {
+                let last = (block.rows - 1) as f32;
+                shares = (1..block.rows).map(|i| 0.985 * i as f32 / last).collect();
+            }
+            for (turn, v) in shares.into_iter().enumerate() {
+                let wide = blade(v);
+                let across = at(&block.spot(wide, v), &points) - at(&block.spot(-wide, v), &points);
+                let along = at(&block.spot(0.0, v + 0.02), &points)
+                    - at(&block.spot(0.0, v - 0.02), &points);
+                let normal = across.cross(along).normalize_or_zero();
+                let list = if v > 0.9 {
+                    ACROSS_TIP
+                } else {
+                    ACROSS[turn % 2]
+                };
+                for x in list {
+                    let spot = block.spot(x * wide, v);
+                    samples.push(Sample {
+                        leaf: number as u32,
+                        spot,
+                        place: at(&spot, &points),
+                        normal,
+                        along: v,
+                    });
+                }
+            }
+        }
+        let places: Vec<Vec3> = samples.iter().map(|sample| sample.place).collect();
+        let grid = PointGrid::of(&places, 0.5 * carried.median);
+        Self {
+            leaves,
+            blocks,
+            points,
+            heights,
+            samples,
+            stands,
+            grid,
+            median: carried.median,
+        }
+    }
+
+    /// All contacts, in order of the samples.
+    pub fn find(&self) -> Vec<Contact> {
+        let pool = ComputeTaskPool::get_or_init(TaskPool::default);
+        let parts = pool.scope(|scope| {
+            for (number, chunk) in self.samples.chunks(CHUNK).enumerate() {
+                scope.spawn(async move {
+                    let mut scratch = Scratch {
+                        slots: vec![(u32::MAX, 0); self.leaves.len()],
+                        near: Vec::new(),
+                        behind: Vec::new(),
+                    };
+                    let mut contacts = Vec::new();
+                    for (i, sample) in chunk.iter().enumerate() {
+                        let mark = (number * CHUNK + i) as u32;
+                        self.touch(sample, mark, &mut scratch, &mut contacts);
+                    }
+                    contacts
+                });
+            }
+        });
+        parts.into_iter().flatten().collect()
+    }
+
+    /// Whether two feathers that face the same way can cover each other: rooted within a length and a width.
+    fn related(&self, a: u32, b: u32) -> bool {
+        let [x, y] = [a, b].map(|i| &self.leaves[i as usize].card);
+        let [s, t] = [a, b].map(|i| &self.stands[i as usize]);
+        let reach = x.length.max(y.length) + x.width.max(y.width);
+        s.normal.dot(t.normal) > 0.0 && s.root.distance_squared(t.root) < reach * reach
+    }
+
+    /// Whether two feathers belong to the two faces of one part of the body: in bind pose they lie near each other and their fronts
+    /// look apart.
+    fn back_to_back(&self, a: u32, b: u32) -> bool {
+        let [x, y] = [a, b].map(|i| &self.leaves[i as usize].card);
+        let [(p, m), (q, n)] = [a, b].map(|i| self.stands[i as usize].rest);
+        let reach = x.length.max(y.length) + x.width.max(y.width);
+        m.dot(n) < BACK
+            && p.distance_squared(q) < reach * reach
+            && (p - q).dot(m - n) > -0.5 * self.median
+    }
+
+    fn touch(
+        &self,
+        sample: &Sample,
+        mark: u32,
+        scratch: &mut Scratch,
+        contacts: &mut Vec<Contact>,
+    ) {
+        let own = &self.leaves[sample.leaf as usize].card;
+        let radius = 0.5 * own.width.max(0.6 * self.median);
+        let Scratch {
+            slots,
+            near,
+            behind,
+        } = scratch;
+        near.clear();
+        behind.clear();
+        self.grid.near(sample.place, radius, |j| {
+            let other = &self.samples[j as usize];
+            let distance = other.place.distance_squared(sample.place);
+            let facing = other.normal.dot(sample.normal);
+            if other.leaf == sample.leaf
+                || distance > radius * radius
+                || (facing < FACING && facing > BACK)
+            {
+                return;
+            }
+            let list = if facing > 0.0 {
+                &mut *near
+            } else {
+                &mut *behind
+            };
+            let slot = &mut slots[other.leaf as usize];
+            let found = Near {
+                leaf: other.leaf,
+                distance,
+                along: other.along,
+            };
+            match list.get_mut(slot.1 as usize) {
+                Some(entry) if slot.0 == mark && entry.leaf == other.leaf => {
+                    if distance < entry.distance {
+                        *entry = found;
+                    }
+                }
+                _ => {
+                    *slot = (mark, list.len() as u32);
+                    list.push(found);
+                }
+            }
+        });
+        behind.retain(|other| self.back_to_back(sample.leaf, other.leaf));
+        behind.sort_unstable_by(|a, b| {
+            let distance = a.distance.total_cmp(&b.distance);
+            distance.then(a.leaf.cmp(&b.leaf))
+        });
+        for other in behind.iter().take(BEHIND) {
+            let width = own.width.min(self.leaves[other.leaf as usize].card.width);
+            let Some((spot, height)) = self.over(sample, -sample.normal, other, width) else {
+                continue;
+            };
+            let raised = raise(&sample.spot, self.heights) + raise(&spot, self.heights);
+            contacts.push(Contact {
+                upper: sample.spot,
+                lower: spot,
+                height: -height - raised,
+                gap: GAP * width,
+                sign: 1.0,
+            });
+        }
+        near.retain(|other| self.related(sample.leaf, other.leaf));
+        // What lies right above and right below passes the order on to the rest.
+        let apart = |other: &Near| (self.leaves[other.leaf as usize].card.layer - own.layer).abs();
+        near.sort_unstable_by(|a, b| apart(a).total_cmp(&apart(b)).then(a.leaf.cmp(&b.leaf)));
+        let mut found = 0;
+        for other in near.iter() {
+            if found == NEXT {
+                break;
+            }
+            let card = &self.leaves[other.leaf as usize].card;
+            let width = own.width.min(card.width);
+            let Some((spot, height)) = self.over(sample, sample.normal, other, width) else {
+                continue;
+            };
+            found += 1;
+            let (upper, lower, height) = if own.layer > card.layer {
+                (sample.spot, spot, height)
+            } else {
+                (spot, sample.spot, -height)
+            };
+            contacts.push(Contact {
+                height: height - raise(&upper, self.heights) + raise(&lower, self.heights),
+                upper,
+                lower,
+                gap: GAP * width,
+                sign: -1.0,
+            });
+        }
+    }
+
+    /// Where on a feather a sample projects to, and its height over it. `normal`: the way that the feather must face.
+    fn over(&self, sample: &Sample, normal: Vec3, other: &Near, width: f32) -> Option<(Spot, f32)> {
+        let block = &self.blocks[other.leaf as usize];
+        let reach = REACH * width;
+        let last = block.rows - 1;
+        let middle = other.along * last as f32;
+        let from = (middle - 1.3).max(0.0) as usize;
+        let to = ((middle + 1.3).ceil() as usize).min(last);
+        let mut best: Option<(Spot, f32)> = None;
+        for i in from..to {
+            for j in 0..block.wide - 1 {
+                let [a, b, c, d] = [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)]
+                    .map(|(i, j)| block.vertex(i, j));
+                for corners in [[a, b, c], [a, c, d]] {
+                    let [p, q, r] = corners.map(|k| self.points[k as usize]);
+                    let cross = (q - p).cross(r - p);
+                    let area = cross.length_squared();
+                    let delta = sample.place - p;
+                    let lift = delta.dot(cross);
+                    if area < 1.0e-30
+                        || lift * lift > reach * reach * area
+                        || cross.dot(normal) <= 0.0
+                    {
+                        continue;
+                    }
+                    let v = (p - r).cross(sample.place - r).dot(cross) / area;
+                    let w = (q - p).cross(delta).dot(cross) / area;
+                    let u = 1.0 - v - w;
+                    if u < 0.0 || v < 0.0 || w < 0.0 {
+                        continue;
+                    }
+                    let height = lift / area.sqrt();
+                    if best
+                        .as_ref()
+                        .is_none_or(|(_, known)| height.abs() < known.abs())
+                    {
+                        best = Some(([(corners[0], u), (corners[1], v), (corners[2], w)], height));
+                    }
+                }
+            }
+        }
+        best
+    }
+}

@@ -1,0 +1,169 @@
+//! The last step of layering: feathers are pressed over each other as sheets, vertex by vertex, in the poses that the bird wears.
+//!
+//! Turning and bending whole feathers ([`super::layer`]) parts most of them in bind pose. A folded wing crosses them anew, and
+//! brings together feathers that were no neighbors. Here every vertex may rise or sink along its carried normal until the upper
+//! feather lies above: projection of one contact after the other (position-based dynamics; Müller et al. 2007), half by the upper
+//! and half by the lower. Lifting only the upper would part each pair at once, but where feathers overlap from head to tail the
+//! lifts add up without end. The skin is the floor.
+//!
+//! One set of heights serves all poses: what meets in one of them hardly meets in another, because wings that open draw feathers
+//! apart that lie upon each other when folded. Where two poses ask for different heights the first has the last word.
+
+use super::{
+    carried::{Block, Carried},
+    contact::{Contact, Finder, Spot, raise},
+    leaf::Leaf,
+};
+use bevy::math::Affine3A;
+
+/// Times that contacts are looked for.
+const SEARCHES: usize = 2;
+/// Rounds of projection after each.
+const ROUNDS: usize = 40;
+/// Furthest that a vertex moves, in distances from the root: down, up.
+const RANGE: (f32, f32) = (-0.5, 0.6);
+/// What is added to both at the root and elsewhere, in median widths.
+const FREE: f32 = 0.25;
+/// Furthest that any vertex moves, in median widths (parrot 15 mm, eagle 20 mm).
+const MOST: f32 = 1.35;
+/// Clear height over the skin, in median widths.
+const CLEAR: f32 = 0.035;
+/// How far a vertex goes towards the mean of those around it after each round.
+const SMOOTH: f32 = 0.05;
+/// Steepest rise between vertices side by side.
+const SLOPE: f32 = 0.4;
+/// Last rounds that are not smoothed.
+const ROUGH: usize = 5;
+
+/// Heights of all vertices, metres, along their normals, that put the leaves in order in all poses (for each: what every joint,
+/// those of rows included, does to bind pose; empty: bind pose), the first above all. The same arguments give the same bytes.
+pub fn settle(leaves: &[Leaf], poses: &[Vec<Affine3A>]) -> Vec<f32> {
+    let carried: Vec<Carried> = poses
+        .iter()
+        .map(|pose| Carried::new(leaves, pose))
+        .collect();
+    let Some(first) = carried.first() else {
+        return Vec::new();
+    };
+    let (lows, highs) = limits(leaves, first);
+    let mut heights = vec![0.0_f32; first.places.len()];
+    for search in 0..SEARCHES {
+        let find = |pose: &Carried| Finder::new(leaves, pose, &heights).find();
+        let contacts: Vec<Vec<Contact>> = carried.iter().map(find).collect();
+        for round in 0..ROUNDS {
+            for contacts in contacts.iter().rev() {
+                project(contacts, &mut heights, &lows, &highs);
+            }
+            if search + 1 < SEARCHES || round + ROUGH < ROUNDS {
+                smooth(&first.blocks, &mut heights, &lows, &highs);
+            }
+            flatten(leaves, &first.blocks, &mut heights);
+        }
+    }
+    heights
+}
+
+/// Parts every contact in turn.
+fn project(contacts: &[Contact], heights: &mut [f32], lows: &[f32], highs: &[f32]) {
+    for contact in contacts {
+        let depth = contact.gap
+            - (contact.height
+                + raise(&contact.upper, heights)
+                + contact.sign * raise(&contact.lower, heights));
+        if depth <= 0.0 {
+            continue;
+        }
+        // Vertices at their limit leave the way to the others.
+        let squares = |spot: &Spot, sign: f32, heights: &[f32]| {
+            let free = |i: usize| match sign > 0.0 {
+                true => heights[i] < highs[i],
+                false => heights[i] > lows[i],
+            };
+            spot.iter()
+                .filter(|(i, _)| free(*i as usize))
+                .map(|(_, share)| share * share)
+                .sum::<f32>()
+        };
+        let total =
+            squares(&contact.upper, 1.0, heights) + squares(&contact.lower, contact.sign, heights);
+        let by = depth / total.max(0.05);
+        for (spot, sign) in [(&contact.upper, 1.0), (&contact.lower, contact.sign)] {
+            for (i, share) in spot {
+                let i = *i as usize;
+                heights[i] = (heights[i] + sign * by * share).clamp(lows[i], highs[i]);
+            }
+        }
+    }
+}
+
+/// How far each vertex may sink and rise.
+fn limits(leaves: &[Leaf], carried: &Carried) -> (Vec<f32>, Vec<f32>) {
+    let [free, clear, most] = [FREE, CLEAR, MOST].map(|share| share * carried.median);
+    let count = carried.places.len();
+    let (mut lows, mut highs) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    for (leaf, block) in leaves.iter().zip(&carried.blocks) {
+        let step = leaf.card.length / (block.rows - 1).max(1) as f32;
+        for i in 0..block.rows {
+            let lever = step * i as f32;
+            // The skin that a feather grows on is carried by the same joints: its height over it is that of bind pose.
+            let room = leaf.shaft.heights.get(i).copied().unwrap_or(f32::INFINITY);
+            let low = (RANGE.0 * lever - free).max(-most);
+            let low = low.max(-(room - clear).max(0.0));
+            let high = (RANGE.1 * lever + free).min(most);
+            lows.extend(std::iter::repeat_n(low, block.wide));
+            highs.extend(std::iter::repeat_n(high, block.wide));
+        }
+    }
+    (lows, highs)
+}
+
+/// Keeps the vane from folding about the shaft: from the middle outwards, no vertex stands further from the next than [`SLOPE`]
+/// allows. The limits of all vertices across are the same, so none is broken.
+fn flatten(leaves: &[Leaf], blocks: &[Block], heights: &mut [f32]) {
+    for (leaf, block) in leaves.iter().zip(blocks) {
+        let most = SLOPE * leaf.card.width / (block.wide - 1).max(1) as f32;
+        let middle = block.wide / 2;
+        for i in 0..block.rows {
+            let row = &mut heights[block.first + i * block.wide..][..block.wide];
+            for j in middle + 1..block.wide {
+                row[j] = row[j].clamp(row[j - 1] - most, row[j - 1] + most);
+            }
+            for j in (0..middle).rev() {
+                row[j] = row[j].clamp(row[j + 1] - most, row[j + 1] + most);
+            }
+        }
+    }
+}
+
+/// Takes the edge off the heights of each feather.
+fn smooth(blocks: &[Block], heights: &mut [f32], lows: &[f32], highs: &[f32]) {
+    let mut old = Vec::new();
+    for block in blocks {
+        let count = block.rows * block.wide;
+        let part = &mut heights[block.first..block.first + count];
+        if part.iter().all(|height| *height == 0.0) {
+            continue;
+        }
+        old.clear();
+        old.extend_from_slice(part);
+        for i in 1..block.rows {
+            for j in 0..block.wide {
+                let (mut sum, mut number) = (0.0, 0.0_f32);
+                for (k, l) in [
+                    (i.wrapping_sub(1), j),
+                    (i + 1, j),
+                    (i, j.wrapping_sub(1)),
+                    (i, j + 1),
+                ] {
+                    if k < block.rows && l < block.wide {
+                        sum += old[k * block.wide + l];
+                        number += 1.0;
+                    }
+                }
+                let at = i * block.wide + j;
+                let eased = old[at] + SMOOTH * (sum / number.max(1.0) - old[at]);
+                part[at] = eased.clamp(lows[block.first + at], highs[block.first + at]);
+            }
+        }
+    }
+}

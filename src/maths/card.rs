@@ -1,0 +1,133 @@
+//! The map M between a feather's UV rectangle and canonical space, pixel footprints, and what the outline leaves of them.
+//!
+//! Pure functions, generic over the float; `anatomy.wgsl` holds their twins under the same names.
+
+use super::{
+    footprint::Footprint,
+    functions::{Real, normal_distribution, real, smooth_step},
+};
+
+/// Canonical point of `uv`: `x = (u - F_P(v)) aspect`, `y = v` (map M of Table 1, with true angles and the rachis on 0).
+/// `curve` is F_P at this v.
+pub fn canonical<T: Real>(uv: [T; 2], curve: T, aspect: T) -> [T; 2] {
+    [(uv[0] - curve) * aspect, uv[1]]
+}
+
+/// Inverse of [`canonical`]: the `uv` of a canonical point; `curve` is F_P at `v = y`.
+pub fn uv<T: Real>(point: [T; 2], curve: T, aspect: T) -> [T; 2] {
+    [point[0] / aspect.max(real(1e-6)) + curve, point[1]]
+}
+
+/// Jacobian of [`canonical`] as rows `[[dx/du, dx/dv], [dy/du, dy/dv]]`; `slope` is F_P'(v). Its determinant is `aspect`.
+pub fn jacobian<T: Real>(slope: T, aspect: T) -> [[T; 2]; 2] {
+    [[aspect, -slope * aspect], [T::zero(), T::one()]]
+}
+
+/// Footprint of a pixel: a Gaussian with a standard deviation of half a pixel along each screen axis, carried over by the
+/// Jacobian J: with D = [duv_dx duv_dy], covariance = J D (D^T J^T) / 4 (Sec. 5.2). `curve`, `slope` are F_P and F_P' at uv.y.
+pub fn canonical_footprint<T: Real>(
+    uv: [T; 2],
+    duv_dx: [T; 2],
+    duv_dy: [T; 2],
+    curve: T,
+    slope: T,
+    aspect: T,
+) -> Footprint<T> {
+    let j = jacobian(slope, aspect);
+    let carry = |d: [T; 2]| [j[0][0] * d[0] + j[0][1] * d[1], d[1]];
+    let (a, b) = (carry(duv_dx), carry(duv_dy));
+    let quarter = real::<T>(0.25);
+    Footprint {
+        mean: canonical(uv, curve, aspect),
+        covariance: [
+            quarter * (a[0] * a[0] + b[0] * b[0]),
+            quarter * (a[0] * a[1] + b[0] * b[1]),
+            quarter * (a[1] * a[1] + b[1] * b[1]),
+        ],
+    }
+}
+
+/// Cotangent of the angle between barb and rachis from its sine and cosine, finite.
+pub fn barb_cotangent<T: Real>(sin_b: T, cos_b: T) -> T {
+    cos_b / sin_b.max(real(1e-3))
+}
+
+/// Height on the rachis where the barb through a canonical point is rooted: `y - |x| cotangent` ([`barb_cotangent`]).
+pub fn barb_root<T: Real>(mean: [T; 2], cotangent: T) -> T {
+    mean[1] - mean[0].abs() * cotangent
+}
+
+/// Standard deviation of a linear function with gradient (gx, gy) under a covariance, floored away from 0.
+fn footprint_deviation<T: Real>(gx: T, gy: T, [xx, xy, yy]: [T; 3]) -> T {
+    let variance = gx * gx * xx + real::<T>(2.0) * gx * gy * xy + gy * gy * yy;
+    variance.max(real(1e-14)).sqrt()
+}
+
+/// Share of a Gaussian footprint inside the outline, 0..1: the half plane of `f(x, y) = reach(y - |x| cotangent) - |x|` to first
+/// order. `reach` and `reach_slope` are the contour and its derivative at [`barb_root`]; `cotangent`: [`barb_cotangent`].
+pub fn contour_coverage<T: Real>(
+    footprint: &Footprint<T>,
+    reach: T,
+    reach_slope: T,
+    cotangent: T,
+) -> T {
+    let mean = footprint.mean;
+    let side = if mean[0] < T::zero() {
+        -T::one()
+    } else {
+        T::one()
+    };
+    let gx = -(T::one() + reach_slope * cotangent) * side;
+    let f = reach - mean[0].abs();
+    normal_distribution(f / footprint_deviation(gx, reach_slope, footprint.covariance))
+}
+
+/// Share of a Gaussian footprint above the lowest barb, which is rooted at `start`, 0..1. Multiply with
+/// [`contour_coverage`]: below the vane there is only the calamus.
+pub fn vane_start_coverage<T: Real>(footprint: &Footprint<T>, start: T, cotangent: T) -> T {
+    let mean = footprint.mean;
+    let side = if mean[0] < T::zero() {
+        -T::one()
+    } else {
+        T::one()
+    };
+    let deviation = footprint_deviation(-cotangent * side, T::one(), footprint.covariance);
+    normal_distribution((barb_root(mean, cotangent) - start) / deviation)
+}
+
+/// How far the barbules at a point hook into a closed vane, 0 (loose) to 1. They do not in the outer `fringe` share of a barb
+/// and below the height `downy`; both fade over a tenth (of the barb, of the feather). `distance` is |x|, `height` is y: the barbs at
+/// the border are downy at their root and hooked further out.
+pub fn hooked<T: Real>(distance: T, height: T, reach: T, fringe: T, downy: T) -> T {
+    let fade = real::<T>(0.1);
+    let share = distance / reach.max(real(1e-5));
+    let edge = T::one() - fringe;
+    let rim = if fringe > T::zero() {
+        T::one() - smooth_step(edge - fade, edge + fade, share)
+    } else {
+        T::one()
+    };
+    let down = if downy > T::zero() {
+        smooth_step(downy - fade, downy + fade, height)
+    } else {
+        T::one()
+    };
+    rim * down
+}
+
+/// Barbule coverage that is left where nothing hooks: loose barbules twist out of the plane and stand on edge.
+pub const LOOSE_BARBULES: f64 = 0.35;
+
+/// Factor on barbule coverage for a value of [`hooked`].
+pub fn barbule_factor<T: Real>(hooked: T) -> T {
+    real::<T>(LOOSE_BARBULES) + (T::one() - real(LOOSE_BARBULES)) * hooked
+}
+
+/// Row of the contour table (`ShapeTable::contour`, `rows` of them) for a barb rooted at `root`:
+/// a fractional index in 0..rows-1.
+pub fn contour_row<T: Real>(root: T, start: T, rows: T) -> T {
+    let last = (rows - T::one()).max(T::zero());
+    ((root - start) / (T::one() - start).max(real(1e-3)) * last)
+        .max(T::zero())
+        .min(last)
+}

@@ -1,0 +1,109 @@
+//! The albedo of a bird's feathers as a texture array.
+
+use super::mips::append_with_mips;
+use crate::anatomy::{Feather, Pattern};
+use bevy::{
+    asset::RenderAssetUsages,
+    image::{ImageSampler, ImageSamplerDescriptor},
+    prelude::*,
+    render::render_resource::{
+        Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
+    },
+};
+
+/// Size of a baked albedo layer.
+const ALBEDO_SIZE: (u32, u32) = (32, 128);
+/// Size of the layers where a feather has a picture.
+const PICTURE_SIZE: (u32, u32) = (128, 512);
+
+/// Whether two states of a feather have the same albedo texture.
+pub fn same_paint(a: &Feather, b: &Feather) -> bool {
+    let paint = |feather: &Feather| {
+        (
+            feather.albedo.front.clone(),
+            feather.albedo.back.clone(),
+            feather.image.clone(),
+        )
+    };
+    paint(a) == paint(b) && a.contour == b.contour && a.rachis == b.rachis && a.aspect == b.aspect
+}
+
+/// The albedo of one bird, two layers per feather: front, back. `images` serves albedo images that replace the painted front.
+pub fn albedo_array(feathers: &[&Feather], images: &Assets<Image>) -> Image {
+    let pictures = feathers.iter().any(|feather| feather.image.is_some());
+    let (width, height) = if pictures { PICTURE_SIZE } else { ALBEDO_SIZE };
+    let mut data = Vec::new();
+    let mut levels = 1;
+    for feather in feathers {
+        let front = albedo_front(feather, images, width, height);
+        let back: Option<&Pattern> = feather.albedo.back.as_ref();
+        let back = back.map_or_else(
+            || front.clone(),
+            |back| back.bake(width as usize, height as usize, feather),
+        );
+        for face in [front, back] {
+            levels = append_with_mips(&mut data, face, width, height);
+        }
+    }
+    let mut image = Image::new_uninit(
+        Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 2 * feathers.len().max(1) as u32,
+        },
+        TextureDimension::D2,
+        TextureFormat::Rgba8UnormSrgb,
+        RenderAssetUsages::RENDER_WORLD,
+    );
+    image.texture_descriptor.mip_level_count = levels;
+    image.data = Some(data);
+    image.texture_view_descriptor = Some(TextureViewDescriptor {
+        dimension: Some(TextureViewDimension::D2Array),
+        ..default()
+    });
+    image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor::linear());
+    image
+}
+
+/// The front of a feather, RGBA8: its photograph if it has one, else the painted pattern; alpha is the share of the groom's tint.
+pub fn albedo_front(feather: &Feather, images: &Assets<Image>, width: u32, height: u32) -> Vec<u8> {
+    let photograph = feather.image.as_ref().and_then(|handle| images.get(handle));
+    photograph
+        .and_then(|image| resample(image, width, height))
+        .unwrap_or_else(|| {
+            let painted = &feather.albedo.front;
+            painted.bake(width as usize, height as usize, feather)
+        })
+}
+
+/// An image of any size as RGBA8 of the albedo's size, by the mean of the pixels that fall on each texel; its alpha counts as
+/// "no tint".
+fn resample(image: &Image, width: u32, height: u32) -> Option<Vec<u8>> {
+    let mut out = Vec::with_capacity((width * height * 4) as usize);
+    let size = image.size();
+    // At least one pixel, at most all of them.
+    let span = |i: u32, from: u32, to: u32| {
+        let first = (i * from / to).min(from.saturating_sub(1));
+        first..((i + 1) * from / to).clamp(first + 1, from.max(first + 1))
+    };
+    for y in 0..height {
+        for x in 0..width {
+            let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+            for py in span(y, size.y, height) {
+                for px in span(x, size.x, width) {
+                    let color = image.get_color_at(px, py).ok()?.to_linear();
+                    sum += Vec3::new(color.red, color.green, color.blue);
+                    count += 1.0;
+                }
+            }
+            let mean = sum / count;
+            let color = Color::linear_rgb(mean.x, mean.y, mean.z).to_srgba();
+            out.extend(
+                [color.red, color.green, color.blue]
+                    .map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8),
+            );
+            out.push(0);
+        }
+    }
+    Some(out)
+}

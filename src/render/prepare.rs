@@ -1,0 +1,347 @@
+//! Gives every groomed bird its [`FeatherMaterial`]: packs its feathers, uploads its cards; and keeps it up to date.
+
+use super::{
+    key::FeatherTransparency,
+    material::{FeatherMaterial, FeatherSettings},
+    pack::{TableCache, albedo_array, pack_cards, pack_feathers, same_paint},
+    wind,
+};
+use crate::{
+    anatomy::Feather,
+    groom::{FeathersOf, PlumageCards, PlumageParts, PlumageSystems},
+    modified::modified,
+};
+use bevy::{
+    asset::RenderAssetUsages,
+    platform::collections::HashMap,
+    prelude::*,
+    render::{render_resource::BufferUsages, storage::ShaderBuffer},
+};
+
+pub(super) struct PreparePlugin;
+
+impl Plugin for PreparePlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<FeatherSets>()
+            .init_resource::<PlumageMemory>()
+            .init_resource::<PlumageWork>();
+    }
+}
+
+pub(super) fn add_systems(app: &mut App) {
+    app.add_systems(
+        PostUpdate,
+        (
+            refresh_feathers,
+            drop_unused,
+            prepare_materials,
+            apply_quality,
+            wind::move_feathers,
+            measure_memory,
+        )
+            .chain()
+            .in_set(PlumageSystems::PrepareMaterials),
+    );
+}
+
+/// Quality of one bird's feathers; put it beside `Plumage`. Without it the defaults hold.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Default)]
+pub struct FeatherQuality {
+    /// Error budget, light between feathers, debug view.
+    pub settings: FeatherSettings,
+    /// Transparency.
+    pub transparency: FeatherTransparency,
+}
+
+/// Bytes of GPU memory that the plugin holds, by kind.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Resource, Default, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct PlumageMemory {
+    /// Feathers and fibre tables.
+    pub feathers: u64,
+    /// Albedo textures.
+    pub textures: u64,
+    /// Card records and LOD classes.
+    pub cards: u64,
+    /// Card meshes: vertices and indices.
+    pub meshes: u64,
+}
+
+impl PlumageMemory {
+    /// All of it.
+    pub fn total(&self) -> u64 {
+        self.feathers + self.textures + self.cards + self.meshes
+    }
+}
+
+/// What birds of the same feathers share.
+struct FeatherSet {
+    feathers: Handle<ShaderBuffer>,
+    albedo: Handle<Image>,
+    bytes: (u64, u64),
+    /// The feathers as they were packed, and their tables.
+    packed: Vec<Feather>,
+    tables: TableCache,
+}
+
+/// Upload counters: how often the plugin has built and uploaded something.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PlumageWork {
+    /// Feather buffers uploaded.
+    pub feather_buffers: u32,
+    /// Albedo textures painted and uploaded.
+    pub albedo_textures: u32,
+    /// Materials made: cards uploaded, bind groups built.
+    pub materials: u32,
+}
+
+/// Packed feathers by the list of feather assets.
+#[derive(Resource, Default)]
+struct FeatherSets(HashMap<Vec<AssetId<Feather>>, FeatherSet>);
+
+/// Bytes of one bird's own buffers, cards and LOD; and of its mesh, which equal birds share.
+#[derive(Component)]
+struct CardBytes {
+    cards: u64,
+    mesh: (AssetId<Mesh>, u64),
+}
+
+/// Takes the changes of feathers over: into the buffer in place where only numbers have changed, else by packing anew.
+fn refresh_feathers(
+    mut commands: Commands,
+    mut events: MessageReader<AssetEvent<Feather>>,
+    mut sets: ResMut<FeatherSets>,
+    mut work: ResMut<PlumageWork>,
+    birds: Query<(Entity, &PlumageCards), With<MeshMaterial3d<FeatherMaterial>>>,
+    feathers: Res<Assets<Feather>>,
+    mut buffers: ResMut<Assets<ShaderBuffer>>,
+) {
+    let modified = modified(&mut events);
+    if modified.is_empty() {
+        return;
+    }
+    sets.0.retain(|ids, set| {
+        if !ids.iter().any(|id| modified.contains(id)) {
+            return true;
+        }
+        if refresh_in_place(set, ids, &feathers, &mut buffers) {
+            work.feather_buffers += 1;
+            return true;
+        }
+        for (entity, cards) in &birds {
+            if feather_ids(cards) == *ids {
+                commands
+                    .entity(entity)
+                    .remove::<MeshMaterial3d<FeatherMaterial>>();
+            }
+        }
+        false
+    });
+}
+
+/// Writes the feathers into the buffer that is there, if its size and the textures stay as they are.
+fn refresh_in_place(
+    set: &mut FeatherSet,
+    ids: &[AssetId<Feather>],
+    feathers: &Assets<Feather>,
+    buffers: &mut Assets<ShaderBuffer>,
+) -> bool {
+    let Some(now) = ids
+        .iter()
+        .map(|id| feathers.get(*id))
+        .collect::<Option<Vec<_>>>()
+    else {
+        return false;
+    };
+    if !now.iter().zip(&set.packed).all(|(a, b)| same_paint(a, b)) {
+        return false;
+    }
+    let data = pack_feathers(&now, &mut set.tables);
+    if data.len() as u64 != set.bytes.0 {
+        return false;
+    }
+    let Some(mut buffer) = buffers.get_mut(&set.feathers) else {
+        return false;
+    };
+    buffer.data = Some(data);
+    set.packed = now.into_iter().cloned().collect();
+    true
+}
+
+/// Forgets feathers that no bird has any more.
+fn drop_unused(
+    mut removed: RemovedComponents<PlumageCards>,
+    birds: Query<&PlumageCards>,
+    mut sets: ResMut<FeatherSets>,
+) {
+    if removed.read().count() > 0 {
+        sets.0
+            .retain(|ids, _| birds.iter().any(|cards| feather_ids(cards) == *ids));
+    }
+}
+
+fn feather_ids(cards: &PlumageCards) -> Vec<AssetId<Feather>> {
+    cards.feathers.iter().map(Handle::id).collect()
+}
+
+/// Makes the material of every card mesh that has none, or whose cards are others now.
+fn prepare_materials(
+    mut commands: Commands,
+    server: Res<AssetServer>,
+    mut sets: ResMut<FeatherSets>,
+    mut work: ResMut<PlumageWork>,
+    bare: Query<
+        (Entity, &PlumageCards, &Mesh3d, Option<&FeathersOf>),
+        Or<(
+            Without<MeshMaterial3d<FeatherMaterial>>,
+            Changed<PlumageCards>,
+        )>,
+    >,
+    qualities: Query<&FeatherQuality>,
+    feathers: Res<Assets<Feather>>,
+    meshes: Res<Assets<Mesh>>,
+    images: ResMut<Assets<Image>>,
+    mut buffers: ResMut<Assets<ShaderBuffer>>,
+    mut materials: ResMut<Assets<FeatherMaterial>>,
+) {
+    let images = images.into_inner();
+    for (entity, cards, mesh, of) in &bare {
+        if cards.cards.is_empty() {
+            continue;
+        }
+        let key = feather_ids(cards);
+        if !sets.0.contains_key(&key) {
+            let Some(assets) = key
+                .iter()
+                .map(|id| feathers.get(*id))
+                .collect::<Option<Vec<_>>>()
+            else {
+                continue;
+            };
+            // A picture that failed to load leaves the painted pattern; the loader has said so.
+            let pending = |image: &Handle<Image>| {
+                images.get(image).is_none() && !server.load_state(image).is_failed()
+            };
+            if assets
+                .iter()
+                .any(|feather| feather.image.as_ref().is_some_and(pending))
+            {
+                continue;
+            }
+            let mut tables = TableCache::default();
+            let data = pack_feathers(&assets, &mut tables);
+            let albedo = albedo_array(&assets, images);
+            let albedo_bytes = albedo.data.as_ref().map_or(0, |data| data.len() as u64);
+            work.feather_buffers += 1;
+            work.albedo_textures += 1;
+            let set = FeatherSet {
+                bytes: (data.len() as u64, albedo_bytes),
+                feathers: buffers.add(upload(data, "feathers")),
+                albedo: images.add(albedo),
+                packed: assets.into_iter().cloned().collect(),
+                tables,
+            };
+            sets.0.insert(key.clone(), set);
+        }
+        let Some(set) = sets.0.get(&key) else {
+            continue;
+        };
+        let records = pack_cards(&cards.cards);
+        let lod = vec![0u8; 4 * cards.cards.len()];
+        let bytes = CardBytes {
+            cards: (records.len() + lod.len()) as u64,
+            mesh: (mesh.id(), meshes.get(mesh.id()).map_or(0, mesh_bytes)),
+        };
+        work.materials += 1;
+        let quality = qualities
+            .get(FeathersOf::owner(of, entity))
+            .copied()
+            .unwrap_or_default();
+        let material = FeatherMaterial {
+            settings: quality.settings,
+            transparency: quality.transparency,
+            drawn: default(),
+            feathers: set.feathers.clone(),
+            cards: buffers.add(upload(records, "feather_cards")),
+            lod: buffers.add(upload(lod, "feather_lod")),
+            albedo: set.albedo.clone(),
+            motion: buffers.add(wind::still_motion(cards)),
+        };
+        commands
+            .entity(entity)
+            .insert((MeshMaterial3d(materials.add(material)), bytes));
+    }
+}
+
+/// Takes a changed quality over into the materials; the defaults where it was taken off.
+fn apply_quality(
+    changed: Query<(Entity, &FeatherQuality), Changed<FeatherQuality>>,
+    mut removed: RemovedComponents<FeatherQuality>,
+    qualities: Query<(), With<FeatherQuality>>,
+    parts: Query<&PlumageParts>,
+    mut handles: Query<&mut MeshMaterial3d<FeatherMaterial>, With<PlumageCards>>,
+    mut materials: ResMut<Assets<FeatherMaterial>>,
+) {
+    let standard = FeatherQuality::default();
+    // Taken off and put on again in one frame is a change.
+    let removed = removed.read().filter(|owner| !qualities.contains(*owner));
+    let removed = removed.map(|owner| (owner, &standard));
+    for (owner, quality) in changed.iter().chain(removed) {
+        let parts = parts.get(owner).map_or(&[][..], |parts| parts);
+        for entity in parts.iter().chain([&owner]) {
+            let Ok(mut handle) = handles.get_mut(*entity) else {
+                continue;
+            };
+            let id = handle.id();
+            let same = materials.get(id).is_some_and(|m| {
+                m.settings == quality.settings && m.transparency == quality.transparency
+            });
+            if !same && let Some(mut material) = materials.get_mut(id) {
+                material.settings = quality.settings;
+                material.transparency = quality.transparency;
+                // Those that draw the same cards take it over in this frame.
+                handle.set_changed();
+            }
+        }
+    }
+}
+
+fn measure_memory(
+    sets: Res<FeatherSets>,
+    sizes: Query<&CardBytes>,
+    changed: Query<(), Changed<CardBytes>>,
+    mut removed: RemovedComponents<CardBytes>,
+    mut memory: ResMut<PlumageMemory>,
+) {
+    if removed.read().count() == 0 && changed.is_empty() && !sets.is_changed() {
+        return;
+    }
+    let mut now = PlumageMemory::default();
+    for set in sets.0.values() {
+        now.feathers += set.bytes.0;
+        now.textures += set.bytes.1;
+    }
+    let mut meshes = HashMap::new();
+    for bytes in &sizes {
+        now.cards += bytes.cards;
+        meshes.extend([bytes.mesh]);
+    }
+    now.meshes = meshes.values().sum();
+    memory.set_if_neq(now);
+}
+
+fn mesh_bytes(mesh: &Mesh) -> u64 {
+    let vertices = mesh.count_vertices() as u64 * mesh.get_vertex_size();
+    let indices = mesh.indices().map_or(0, |i| i.len() as u64 * 4);
+    vertices + indices
+}
+
+fn upload(data: Vec<u8>, label: &'static str) -> ShaderBuffer {
+    let mut buffer = ShaderBuffer::new(&data, RenderAssetUsages::RENDER_WORLD);
+    buffer.buffer_description.label = Some(label);
+    buffer.buffer_description.usage =
+        BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
+    buffer
+}

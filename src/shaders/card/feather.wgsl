@@ -1,0 +1,319 @@
+// Color of a feather's fragment: coverage, masking, fibre scattering per light, environment, sheen, transparency.
+#import bevy_plumage::{
+    feather_bindings::{albedo_sampler, albedo_texture, feather_at, feather_base, rachis_at, settings, sheen_at},
+    feather_cover::{Covered, Frame, cover, frame_of},
+    feather_data as data,
+    feather_io::{FeatherVertex, class_of},
+    feather_lighting as light,
+    feather_near::{NearFootprint, near_footprint},
+    feather_opacity::{LEAST_OPACITY, leaves_hole, sample_bits},
+    feather_shadow::{caught_light, kept_light, part_eye, part_reach, shadowing_of},
+    scattering::{
+        FIBRE_PARAMETER_LENGTH, FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreRow, fibre_along, fibre_lit, fibre_lobes,
+        fibre_parameters, fibre_row_at, fibre_row_mix, fibre_shading, fibre_terms, multiple_scattering, single_scattering_albedo,
+    },
+    scattering_near::{fibre_near, fibre_near_lobes, fibre_window},
+    sheen::{sheen_albedo, sheen_evaluate, sheen_place, sheen_tint},
+}
+#ifdef DEBUG_VIEW
+#import bevy_plumage::feather_debug::{VIEW_LOBE, debug_color}
+#import bevy_plumage::scattering::fibre_energy_split
+#endif
+#ifdef SAMPLED_ENVIRONMENT
+#import bevy_plumage::feather_environment::sampled_environment
+#endif
+#ifdef OIT_ENABLED
+#import bevy_core_pipeline::oit::oit_draw
+#endif
+
+// Components in the order of the weights; the rachis is 0.
+const BARB: u32 = 1u;
+const DISTAL: u32 = 2u;
+const PROXIMAL: u32 = 3u;
+// Lights fetched at a time: each is held in registers while the fibres are looked at.
+#ifdef LIGHTS_TOGETHER
+const BATCH: u32 = 4u;
+#else
+const BATCH: u32 = 1u;
+#endif
+// A component with less than this share of what is covered is not shaded.
+const LEAST_SHARE: f32 = 0.004;
+#ifdef ORDER_WINDOW
+// Opacity that prepass and color pass may differ by.
+const ROUNDING: f32 = 1e-4;
+#else
+const ROUNDING: f32 = 0.0;
+#endif
+// What a fragment adds in the overdraw view: sixteen make white.
+const OVERDRAW_STEP: f32 = 0.0625;
+
+// Direction of a component's fibres in the frame of the card (the map shears along a curved rachis).
+fn fibre_tangent(part: u32, angles: vec4<f32>, right: bool, slope: f32, aspect: f32) -> vec2<f32> {
+    var v = vec2(0.0, 1.0);
+    let barb = vec2(-angles.x, angles.y);
+    if (part == BARB) { v = barb; }
+    // Turned by the barbule angle towards the tip (distal) or the base (proximal).
+    if (part == DISTAL) { v = vec2(barb.x * angles.w + barb.y * angles.z, barb.y * angles.w - barb.x * angles.z); }
+    if (part == PROXIMAL) { v = vec2(barb.x * angles.w - barb.y * angles.z, barb.y * angles.w + barb.x * angles.z); }
+    if (right) { v.x = -v.x; }
+    return normalize(vec2(v.x + slope * aspect * v.y, v.y));
+}
+
+// A direction of the card in the frame of a fibre: along it, across (the normal crossed with it), along the normal.
+fn in_fibre(tangent: vec2<f32>, hand: f32, direction: vec3<f32>) -> vec3<f32> {
+    return vec3(dot(tangent, direction.xy), hand * (tangent.y * direction.x - tangent.x * direction.y), direction.z);
+}
+
+// The fibre of one component, its table read at the eye's inclination.
+struct Part {
+    parameters: FibreParameters,
+    row: FibreRow,
+    // To the eye, in the fibre's frame.
+    eye: vec3<f32>,
+}
+
+fn read_part(base: u32, part: u32, tangent: vec2<f32>, frame: Frame) -> Part {
+    let slot = base + data::FIBRES + FIBRE_PARAMETER_LENGTH * part;
+    var packed: array<vec4<f32>, FIBRE_PARAMETER_LENGTH>;
+    for (var i = 0u; i < FIBRE_PARAMETER_LENGTH; i++) {
+        packed[i] = feather_at(slot + i);
+    }
+    let eye = in_fibre(tangent, frame.hand, frame.local_eye);
+    let place = fibre_row_at(sqrt(max(1.0 - eye.x * eye.x, 0.0)));
+    let table = u32(feather_at(0u).y) + u32(feather_at(base + data::TABLES)[part]) * FIBRE_ROW_COUNT * FIBRE_ROW_LENGTH;
+    let first = table + place.index * FIBRE_ROW_LENGTH;
+    var low: array<vec4<f32>, FIBRE_ROW_LENGTH>;
+    var high: array<vec4<f32>, FIBRE_ROW_LENGTH>;
+    for (var i = 0u; i < FIBRE_ROW_LENGTH; i++) {
+        low[i] = feather_at(first + i);
+        high[i] = feather_at(first + FIBRE_ROW_LENGTH + i);
+    }
+    return Part(
+        fibre_parameters(packed),
+        fibre_row_mix(low, high, place.fraction),
+        eye,
+    );
+}
+
+// Mean and deviation in h of what the pixel sees of a component, deviation -1: its whole width. Barbs and shaft only.
+fn near_of(part: u32, near: NearFootprint, angles: vec4<f32>, right: bool, tangent: vec2<f32>, eye: vec3<f32>, hand: f32) -> vec2<f32> {
+    var seen = vec2(0.0, -1.0);
+    // The direction in which `near` counts, in the card.
+    var along = vec2(1.0, 0.0);
+    if (part == 0u) { seen = near.rachis; }
+    if (part == BARB) {
+        seen = near.barb;
+        along = vec2(select(angles.y, -angles.y, right), angles.x);
+    }
+    // h counts along the azimuth a quarter turn from the eye's.
+    let same = hand * (along.x * tangent.y - along.y * tangent.x) * eye.z >= 0.0;
+    return vec2(select(-seen.x, seen.x, same), seen.y);
+}
+
+fn albedo_of(in: FeatherVertex, feather: u32, front: bool) -> vec3<f32> {
+    let texel = textureSample(albedo_texture, albedo_sampler, in.uv, 2u * feather + select(1u, 0u, front));
+    return mix(texel.rgb, data::card_tint(in.card.y), texel.a);
+}
+
+struct FeatherColor {
+    @location(0) color: vec4<f32>,
+#ifdef SAMPLE_COVERAGE
+    @builtin(sample_mask) samples: u32,
+#endif
+}
+
+@fragment
+fn fragment(in: FeatherVertex) -> FeatherColor {
+    let feather = data::card_feather(in.card.x);
+    let base = feather_base(feather);
+    let shape = feather_at(base + data::SHAPE);
+    let frame = frame_of(in);
+    let front = frame.local_eye.z >= 0.0;
+    let albedo = albedo_of(in, feather, front);
+    let covered = cover(in, base, shape, frame, class_of(in));
+    var out: FeatherColor;
+#ifdef DEPTH_DECIDED
+    // The depth prepass left the holes out.
+    let opacity = max(dot(covered.weights, vec4(1.0)), LEAST_OPACITY);
+#else
+    let opacity = dot(covered.weights, vec4(1.0));
+    // Where the prepass has put the fragment it must be: another compiler's rounding may not lose it.
+    let asked = opacity + ROUNDING;
+    if (leaves_hole(in, asked, shape.x)) {
+        discard;
+    }
+#endif
+#ifdef SAMPLE_COVERAGE
+    out.samples = sample_bits(in, asked);
+#endif
+#ifdef OVERDRAW
+    out.color = vec4(vec3(OVERDRAW_STEP), 0.0);
+#else
+#ifdef DEBUG_VIEW
+    var color = debug_color(settings.debug_view, in, base, shape, covered, frame);
+    if (settings.debug_view == VIEW_LOBE) {
+        color = lobe_color(in, base, shape, frame, covered, albedo);
+    }
+#else
+    let color = shade(in, base, shape, frame, covered, albedo) / opacity;
+#endif
+#ifdef BLENDED
+    let alpha = opacity;
+#else
+    let alpha = 1.0;
+#endif
+    out.color = light::finish(vec4(color, alpha), in.world_position, in.position);
+#ifdef OIT_ENABLED
+    oit_draw(in.position, out.color);
+    discard;
+#endif
+#endif
+    return out;
+}
+
+// Light from the fragment towards the eye, times coverage (premultiplied).
+fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: Covered, albedo: vec3<f32>) -> vec3<f32> {
+    let angles = feather_at(base + select(data::LEFT_VANE, data::RIGHT_VANE, covered.right));
+    let slope = rachis_at(base, in.uv.y).y;
+    let seen = light::fragment_of(in.world_position, frame.normal, in.position, in.instance_index);
+    let eye_side = select(-frame.normal, frame.normal, frame.local_eye.z >= 0.0);
+    let level = class_of(in);
+    // Where a fibre may be wider than the pixel, the place on it matters.
+    let resolved = level == data::CARD_NEAR || level == data::CARD_MIXED;
+    var near = NearFootprint(vec2(0.0, -1.0), vec2(0.0, -1.0));
+    if (resolved) {
+        near = near_footprint(base, in.uv.y, covered.footprint, frame.local_eye, covered.right);
+    }
+
+    let meetings = feather_at(base + data::MEETING + select(1u, 0u, frame.local_eye.z >= 0.0));
+
+    // Sheen takes its share first.
+    let fuzz = feather_at(base + data::SHEEN);
+    let opacity = dot(covered.weights, vec4(1.0));
+    let sheen = sheen_at(base, sheen_place(abs(frame.local_eye.z)));
+    let shares = feather_at(base + data::SHARES);
+    let tint = sheen_tint(albedo * shares[DISTAL]);
+    let fuzz_albedo = sheen_albedo(sheen, fuzz.x);
+    let base_share = 1.0 - fuzz_albedo * max(max(tint.x, tint.y), tint.z);
+
+    // The part of the sky that the feathers above leave open grows towards the tip.
+    let open = 1.0 - settings.shelter * (1.0 - smoothstep(0.05, 0.8, in.uv.y));
+    let reflected = reflect(-frame.eye, eye_side);
+    let around = light::environment(seen, eye_side, reflected, 0.6);
+    let behind = light::environment(seen, -eye_side, -frame.eye, 0.8);
+
+    var sum = opacity * fuzz_albedo * tint * around.irradiance * open;
+    let lights = light::lights_of(seen);
+    var first = 0u;
+    // Lights are fetched once (shadows are dear) and then seen by every component, a batch at a time.
+    loop {
+        // Found anew for every batch, so that its many numbers need not be kept while the fibres are looked at.
+        let shadowing = shadowing_of(base, in.uv.y, covered, frame);
+        var batch: array<light::Light, BATCH>;
+        // In the frame of the card, and how much the vane catches of it.
+        var towards: array<vec4<f32>, BATCH>;
+        let count = min(lights.count - first, BATCH);
+        for (var i = 0u; i < count; i++) {
+            batch[i] = light::light_at(seen, lights, first + i);
+            let there = batch[i].direction;
+            let local = vec3(dot(there, frame.across), dot(there, frame.along), dot(there, frame.normal));
+            towards[i] = vec4(local, caught_light(shadowing, local));
+            sum += opacity * fuzz.x * tint * batch[i].color * sheen_evaluate(sheen, eye_side, frame.eye, batch[i].direction);
+        }
+        var passed = 0.0;
+        for (var part = 0u; part < 4u; part++) {
+            let weight = covered.weights[part];
+            if (weight <= LEAST_SHARE * opacity) {
+                continue;
+            }
+            let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x);
+            let painted = min(albedo * shares[part], vec3(0.98));
+            let single = single_scattering_albedo(painted, settings.multiple_scattering * meetings[part]);
+            let fibre = read_part(base, part, tangent, frame);
+            var harmonics = 4u;
+            if (level != data::CARD_MEAN) {
+                harmonics = fibre_terms(settings.threshold, fibre.parameters.azimuthal_roughness);
+            }
+            var shading = fibre_shading(fibre.parameters, fibre.row, single, fibre.eye, shape.w, harmonics);
+            if (part == shadowing.lower) {
+                shading.along = fibre_along(fibre.parameters, fibre.row, shading.absorption, shadowing.frequency);
+            }
+            // What it keeps of light from all around, lobe by lobe. Light that leaves it meets another fibre where light from all
+            // around would be kept off.
+            let before = kept_light(shadowing, part, 0u);
+            let after = kept_light(shadowing, part, 1u);
+            var fourth = shading.energy_fourth;
+            if (shading.structural) {
+                fourth *= mix(1.0, clamp(0.5 + 0.5 * shading.azimuth.y, 0.0, 1.0), shading.dark_back);
+            }
+            let specular = shading.energy_surface * before.x;
+            let front = shading.energy_through * before.y + shading.energy_inner * before.z + fourth * before.w;
+            let back = shading.energy_surface * after.x + shading.energy_through * after.y + shading.energy_inner * after.z
+                + fourth * after.w;
+            let scattered = shading.energy_surface + shading.energy_through + shading.energy_inner + fourth;
+            let meeting = 1.0 - min((specular + front + back) / max(scattered, vec3(1e-6)), vec3(1.0));
+            let again = multiple_scattering(scattered, settings.multiple_scattering * meeting);
+            let part_seen = part_eye(shadowing, part);
+            var radiance = vec3(0.0);
+            if (first == 0u) {
+#ifdef SAMPLED_ENVIRONMENT
+                let indirect = sampled_environment(
+                    seen, shading, tangent, frame, shadowing, part_seen, part,
+                    passed / opacity, (passed + weight) / opacity, settings.environment_samples,
+                );
+#else
+                let indirect = around.radiance * specular + around.irradiance * front + behind.irradiance * back;
+#endif
+                let everywhere = 0.5 * (around.irradiance + behind.irradiance);
+                radiance += (indirect + again * everywhere) * open;
+                passed += weight;
+            }
+            let place = near_of(part, near, angles, covered.right, tangent, fibre.eye, frame.hand);
+            if (resolved && place.y > 0.0) {
+                let window = fibre_window(place.x, place.y);
+                let near_fibre = fibre_near(fibre.parameters, fibre.row, single, fibre.eye, shape.w, 8u, window);
+                for (var i = 0u; i < count; i++) {
+                    let there = towards[i];
+                    let lobes = fibre_near_lobes(near_fibre, in_fibre(tangent, frame.hand, there.xyz));
+                    let reach = part_reach(shadowing, part_seen, there.xyz, part, lobes.turn, true);
+                    radiance += batch[i].color * (fibre_lit(shading, lobes, reach) + again * there.w);
+                }
+            } else {
+                for (var i = 0u; i < count; i++) {
+                    let there = towards[i];
+                    let lobes = fibre_lobes(shading, in_fibre(tangent, frame.hand, there.xyz));
+                    let reach = part_reach(shadowing, part_seen, there.xyz, part, lobes.turn, false);
+                    radiance += batch[i].color * (fibre_lit(shading, lobes, reach) + again * there.w);
+                }
+            }
+            sum += weight * base_share * radiance;
+        }
+        first += BATCH;
+        if (first >= lights.count) {
+            break;
+        }
+    }
+    return max(sum, vec3(0.0)) * light::exposure();
+}
+
+#ifdef DEBUG_VIEW
+// Where the energy of the fibres goes: surface reflection red, back to the eye's side green, through the feather blue.
+fn lobe_color(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: Covered, albedo: vec3<f32>) -> vec3<f32> {
+    let angles = feather_at(base + select(data::LEFT_VANE, data::RIGHT_VANE, covered.right));
+    let slope = rachis_at(base, in.uv.y).y;
+    let shares = feather_at(base + data::SHARES);
+    var sum = vec3(0.0);
+    for (var part = 0u; part < 4u; part++) {
+        let weight = covered.weights[part];
+        if (weight <= LEAST_SHARE * dot(covered.weights, vec4(1.0))) {
+            continue;
+        }
+        let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x);
+        let painted = min(albedo * shares[part], vec3(0.98));
+        let fibre = read_part(base, part, tangent, frame);
+        let energy = fibre_energy_split(fibre_shading(fibre.parameters, fibre.row, painted, fibre.eye, shape.w, 3u));
+        sum += weight * vec3(3.0 * energy.specular, dot(energy.front, vec3(1.0)), dot(energy.back, vec3(1.0)));
+    }
+    return sum / max(max(sum.x, sum.y), max(sum.z, 1e-6));
+}
+#endif

@@ -1,0 +1,98 @@
+// Layout of the packed feathers (twin of src/render/pack). Offsets and counts are in vec4s.
+#define_import_path bevy_plumage::feather_data
+#import bevy_plumage::masking::Vane
+
+// Buffer header: (feather count, first fibre table, fibre table count, unused).
+const FEATHERS_BASE: u32 = 1u;
+// One feather: header, rachis table, contour table, sheen row, kept light.
+const HEADER_LENGTH: u32 = 42u;
+const RACHIS_SAMPLES: u32 = 64u;
+const CONTOUR_SAMPLES: u32 = 256u;
+const SHEEN_SAMPLES: u32 = 32u;
+// Levels and azimuths of the eye's direction in the table of kept light.
+const KEPT_LEVELS: u32 = 10u;
+const KEPT_AZIMUTHS: u32 = 8u;
+const FEATHER_STRIDE: u32 = 1674u;
+// Inside the header.
+const SHAPE: u32 = 0u;       // aspect, length in metres, contour start, dark back
+const LEFT_VANE: u32 = 1u;   // 3: sin/cos of barb angle and barbule angle; p_b, d_bl, r_b, r_bd; r_bp, fringe, downy, unused
+const RIGHT_VANE: u32 = 4u;
+const SHEEN: u32 = 7u;       // strength, roughness
+const FIBRES: u32 = 8u;      // 4 x 7: rachis, barb, distal, proximal
+const TABLES: u32 = 36u;     // fibre table index of each of the four
+const SHARES: u32 = 37u;     // factor on the painted color of each of the four
+const MEETING: u32 = 38u;    // 2: chance of each of the four that its light meets another fibre, seen from front and back
+const CAUGHT: u32 = 40u;     // one over the integral of what the vane catches over the sphere
+const MIRRORS: u32 = 41u;    // azimuthal roughness of barbs, where their mirror lobes leave them; the same of barbules
+// After the header. Kept light: seen from front and back; of each of the four; from the eye's side and the other; level; azimuth.
+const KEPT: u32 = HEADER_LENGTH + RACHIS_SAMPLES + CONTOUR_SAMPLES + SHEEN_SAMPLES;
+
+// Class of a card, indices of CARD_COUNTERS.
+const CARD_CULLED: u32 = 0u;
+const CARD_NEAR: u32 = 1u;
+const CARD_FAR: u32 = 2u;
+const CARD_MEAN: u32 = 3u;
+const CARD_MIXED: u32 = 4u;
+
+// One card record.
+const CARD_LENGTH: u32 = 5u;
+struct Card {
+    root: vec3<f32>,
+    length: f32,
+    center: vec3<f32>,
+    radius: f32,
+    along: vec3<f32>,
+    width: f32,
+    joints: vec4<u32>,
+    weights: vec4<f32>,
+    // Index of the feather in bits 0..15, the mirrored flag in bit 16, region in bits 17..23, layer in bits 24..31.
+    feather: u32,
+    tint: u32,
+    seed: u32,
+    // Of the front face at the root.
+    normal: vec3<f32>,
+}
+
+// Regions that a record can tell apart.
+const MAX_REGIONS: u32 = 128u;
+
+fn card_feather(bits: u32) -> u32 { return bits & 0xffffu; }
+fn card_region(bits: u32) -> u32 { return (bits >> 17u) & (MAX_REGIONS - 1u); }
+fn card_layer(bits: u32) -> f32 { return f32(bits >> 24u) / 255.0; }
+
+// Linear color that the groom gives, as square roots of ten bits.
+fn card_tint(bits: u32) -> vec3<f32> {
+    let t = vec3(f32(bits & 1023u), f32((bits >> 10u) & 1023u), f32((bits >> 20u) & 1023u)) / 1023.0;
+    return t * t;
+}
+
+// A direction from the two numbers of the octahedral map (Cigolle et al. 2014).
+fn octahedral(p: vec2<f32>) -> vec3<f32> {
+    var v = vec3(p, 1.0 - abs(p.x) - abs(p.y));
+    if (v.z < 0.0) {
+        v = vec3((1.0 - abs(p.yx)) * select(vec2(-1.0), vec2(1.0), p >= vec2(0.0)), v.z);
+    }
+    return normalize(v);
+}
+
+fn card_decode(a: vec4<u32>, b: vec4<u32>, c: vec4<u32>, d: vec4<u32>, e: vec4<u32>) -> Card {
+    var card: Card;
+    card.root = bitcast<vec3<f32>>(a.xyz);
+    card.length = bitcast<f32>(a.w);
+    card.center = bitcast<vec3<f32>>(b.xyz);
+    card.radius = bitcast<f32>(b.w);
+    card.along = bitcast<vec3<f32>>(c.xyz);
+    card.width = bitcast<f32>(c.w);
+    card.joints = vec4(d.x & 0xffffu, d.x >> 16u, d.y & 0xffffu, d.y >> 16u);
+    card.weights = vec4(unpack2x16unorm(d.z), unpack2x16unorm(d.w));
+    card.feather = e.x;
+    card.tint = e.y;
+    card.seed = e.z;
+    card.normal = octahedral(unpack2x16snorm(e.w));
+    return card;
+}
+
+// The three vec4s of a vane.
+fn vane_unpack(angles: vec4<f32>, sizes: vec4<f32>, rest: vec4<f32>) -> Vane {
+    return Vane(sizes.x, sizes.y, angles.y, angles.x, angles.w, angles.z, sizes.z, sizes.w, rest.x, 1.0);
+}

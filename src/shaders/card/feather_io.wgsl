@@ -1,0 +1,53 @@
+// What the vertex stage takes, and what it hands to the fragment stage of the color, depth and shadow passes.
+#define_import_path bevy_plumage::feather_io
+#import bevy_plumage::feather_data as data
+
+// The same locations in every pass, see FeatherMaterial::specialize.
+struct CardVertex {
+    @builtin(instance_index) instance_index: u32,
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) uv: vec2<f32>,
+    // x: card.
+    @location(3) uv_b: vec2<f32>,
+    @location(4) tangent: vec4<f32>,
+#ifdef SKINNED
+    @location(5) joint_indices: vec4<u32>,
+    @location(6) joint_weights: vec4<f32>,
+#endif
+}
+
+struct FeatherVertex {
+    // Depth prepass and color pass must agree to the last bit.
+    @invariant @builtin(position) position: vec4<f32>,
+    @location(0) world_position: vec4<f32>,
+    @location(1) world_normal: vec3<f32>,
+    @location(2) uv: vec2<f32>,
+    // Direction of the rachis; w: sign of the bitangent.
+    @location(3) world_tangent: vec4<f32>,
+    // Feather bits, tint, seed, (class | card << 3).
+    @location(4) @interpolate(flat) card: vec4<u32>,
+    @location(5) @interpolate(flat) instance_index: u32,
+#ifdef VISIBILITY_RANGE_DITHER
+    @location(6) @interpolate(flat) visibility_range_dither: i32,
+#endif
+#ifdef PREPASS_PIPELINE
+#ifdef MOTION_VECTOR_PREPASS
+    @location(7) previous_world_position: vec4<f32>,
+#endif
+#ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION
+    @location(8) unclipped_depth: f32,
+#endif
+#endif
+}
+
+// Class of the fragment's card: a constant where the pipeline draws one class only.
+fn class_of(in: FeatherVertex) -> u32 {
+#ifdef ONLY_MEAN
+    return data::CARD_MEAN;
+#else ifdef ONLY_FAR
+    return data::CARD_FAR;
+#else
+    return in.card.w & 7u;
+#endif
+}

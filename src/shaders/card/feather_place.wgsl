@@ -1,0 +1,177 @@
+// Where the vertices of a card are, in every pass: bent by wind and ruffle, then carried by the skeleton.
+#define_import_path bevy_plumage::feather_place
+#import bevy_pbr::{mesh_functions, mesh_view_bindings::view, skinning, view_transformations::position_world_to_clip}
+#ifdef ORDER_WINDOW
+#import bevy_plumage::feather_cover::to_eye
+#import bevy_plumage::order::order_reach
+#endif
+#import bevy_plumage::{
+    feather_bindings::{cards, lod, motion, settings},
+    feather_data as data,
+    feather_io::{CardVertex, FeatherVertex},
+    wind::{Breeze, turned_by, wind_lift, wind_velocity},
+}
+
+fn motion_at(row: u32) -> vec4<f32> {
+    return motion[min(row, arrayLength(&motion) - 1u)];
+}
+
+fn card_at(vertex: CardVertex) -> u32 {
+    return min(u32(max(vertex.uv_b.x, 0.0) + 0.5), arrayLength(&cards) / data::CARD_LENGTH - 1u);
+}
+
+fn world_from_card(vertex: CardVertex) -> mat4x4<f32> {
+#ifdef SKINNED
+    return skinning::skin_model(vertex.joint_indices, vertex.joint_weights, vertex.instance_index);
+#else
+    return mesh_functions::get_world_from_local(vertex.instance_index);
+#endif
+}
+
+fn previous_world_from_card(vertex: CardVertex) -> mat4x4<f32> {
+#ifdef SKINNED
+#ifdef HAS_PREVIOUS_SKIN
+    return skinning::skin_prev_model(vertex.joint_indices, vertex.joint_weights, vertex.instance_index);
+#else
+    return skinning::skin_model(vertex.joint_indices, vertex.joint_weights, vertex.instance_index);
+#endif
+#else
+    return mesh_functions::get_previous_world_from_local(vertex.instance_index);
+#endif
+}
+
+// How a card is turned, as rotation vectors in the mesh's own space: as a whole about its root, which is what the muscles of the
+// follicle do, and how much further at its tip, which is what the air does.
+struct Turn {
+    whole: vec3<f32>,
+    tip: vec3<f32>,
+}
+
+fn is_still(turn: Turn) -> bool {
+    return all(turn.whole == vec3(0.0)) && all(turn.tip == vec3(0.0));
+}
+
+// `first`: row of the motion table, 0 now, half its length a frame ago.
+fn turn_of(card: data::Card, first: u32, world_from_local: mat4x4<f32>, time: f32) -> Turn {
+    let air = motion_at(first);
+    let eddies = motion_at(first + 1u);
+    let region = motion_at(first + 2u + min(data::card_region(card.feather), max(u32(eddies.w), 1u) - 1u));
+    var lift = 0.0;
+    if (air.w + eddies.x > 0.0) {
+        let breeze = Breeze(air.xyz, air.w, eddies.x, eddies.y, eddies.z);
+        let root = (world_from_local * vec4(card.root, 1.0)).xyz;
+        let along = (world_from_local * vec4(card.along, 0.0)).xyz;
+        let stretch = max(length(along), 1e-9);
+        let normal = (world_from_local * vec4(card.normal, 0.0)).xyz;
+        let wind = wind_velocity(breeze, root, time);
+        lift = wind_lift(wind, along / stretch, normal / max(length(normal), 1e-9), stretch * card.length, region.y, region.z);
+    }
+    let yaw = region.w * (f32(card.seed & 0xffffu) / 32767.5 - 1.0);
+    let raising = cross(card.along, card.normal);
+    return Turn(raising * region.x + card.normal * yaw, raising * lift);
+}
+
+// The place of a vertex at share `v` of the rachis: in the air the shaft bends as an arc, so its chord turns half as far as its tip.
+fn bent(position: vec3<f32>, root: vec3<f32>, turn: Turn, v: f32) -> vec3<f32> {
+    if (is_still(turn)) {
+        return position;
+    }
+    return root + turned_by(position - root, turn.whole + turn.tip * (0.5 * v));
+}
+
+// Views of point and spot lights look like a camera's in every definition; their view is not where its visibility ranges are
+// resolved, or it has no frustum.
+fn is_light() -> bool {
+#ifdef DIRECTIONAL_SHADOW
+    return true;
+#else ifdef PREPASS_PIPELINE
+    return all(view.frustum[0] == vec4(0.0)) || any(view.world_position != view.lod_view_world_position);
+#else
+    return false;
+#endif
+}
+
+// Whether this pipeline draws cards of a class. Shadows of all classes are drawn by one pipeline.
+fn is_drawn(level: u32) -> bool {
+    if (is_light()) {
+        return true;
+    }
+#ifdef ONLY_MEAN
+    return level == data::CARD_MEAN;
+#else ifdef ONLY_FAR
+    return level == data::CARD_FAR;
+#else ifdef ONLY_RESOLVED
+    return level == data::CARD_NEAR || level == data::CARD_MIXED;
+#else
+    return level != data::CARD_CULLED;
+#endif
+}
+
+#ifdef ORDER_WINDOW
+// Share of its distance that a place is moved towards the eye at most.
+const NEAREST: f32 = 0.05;
+// Steps of depth by which the nearest fragment may miss what the prepass has written.
+const ROUNDING: f32 = 1e-6;
+
+// Clip position of a place whose depth, alone, is that of the place `reach` nearer to the eye.
+fn nearer(position: vec3<f32>, clip: vec4<f32>, eye: vec3<f32>, reach: f32) -> vec4<f32> {
+    let moved = position_world_to_clip(position + eye * reach);
+    let depth = moved.z / moved.w * clip.w;
+    // What lies before the near plane there would be cut off; behind the eye nothing shows.
+    let shown = clip.w > 0.0 && moved.w > 0.0 && depth < clip.w;
+    return vec4(clip.xy, select(clip.z, depth, shown) * (1.0 + ROUNDING), clip.w);
+}
+#endif
+
+// `time` and `step`: seconds now and since the frame before.
+fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
+    var out: FeatherVertex;
+    let index = card_at(vertex);
+    let at = index * data::CARD_LENGTH;
+    let card = data::card_decode(cards[at], cards[at + 1u], cards[at + 2u], cards[at + 3u], cards[at + 4u]);
+    let level = lod[min(index, arrayLength(&lod) - 1u)];
+    out.card = vec4(card.feather, card.tint, card.seed, level | (index << 3u));
+    out.uv = vertex.uv;
+    out.instance_index = vertex.instance_index;
+    if (!is_drawn(level)) {
+        // All corners on one point outside the view: no pixels.
+        out.position = vec4(2.0, 2.0, 0.5, 1.0);
+        return out;
+    }
+    let world_from_local = world_from_card(vertex);
+    let turn = turn_of(card, 0u, world_from_local, time);
+    let tangent_turn = turn.whole + turn.tip * vertex.uv.y;
+    out.world_position = world_from_local * vec4(bent(vertex.position, card.root, turn, vertex.uv.y), 1.0);
+    out.position = position_world_to_clip(out.world_position.xyz);
+    let normal = turned_by(vertex.normal, tangent_turn);
+    let tangent = vec4(turned_by(vertex.tangent.xyz, tangent_turn), vertex.tangent.w);
+#ifdef SKINNED
+    out.world_normal = skinning::skin_normals(world_from_local, normal);
+#else
+    out.world_normal = mesh_functions::mesh_normal_local_to_world(normal, vertex.instance_index);
+#endif
+    out.world_tangent = mesh_functions::mesh_tangent_local_to_world(world_from_local, tangent, vertex.instance_index);
+#ifdef ORDER_WINDOW
+    let eye = to_eye(out.world_position.xyz);
+    let width = card.width * length((world_from_local * vec4(card.along, 0.0)).xyz);
+    let farthest = select(NEAREST * distance(view.world_position, out.world_position.xyz), width, view.clip_from_view[3].w == 1.0);
+    let reach = order_reach(min(settings.order_window * width, farthest), dot(normalize(out.world_normal), eye), vertex.uv.y);
+    out.position = nearer(out.world_position.xyz, out.position, eye, reach);
+#endif
+#ifdef VISIBILITY_RANGE_DITHER
+    out.visibility_range_dither = mesh_functions::get_visibility_range_dither_level(
+        vertex.instance_index, mesh_functions::get_world_from_local(vertex.instance_index)[3]);
+#endif
+#ifdef PREPASS_PIPELINE
+#ifdef MOTION_VECTOR_PREPASS
+    let before = previous_world_from_card(vertex);
+    let turn_before = turn_of(card, arrayLength(&motion) / 2u, before, time - step);
+    out.previous_world_position = before * vec4(bent(vertex.position, card.root, turn_before, vertex.uv.y), 1.0);
+#endif
+#ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION
+    out.unclipped_depth = out.position.z;
+    out.position.z = min(out.position.z, 1.0);
+#endif
+#endif
+    return out;
+}

@@ -1,0 +1,109 @@
+#define_import_path bevy_plumage::query_feather
+
+// Coverage of a footprint by a whole feather as a card shows it. Twin of src/maths/query/feather.rs.
+
+#import bevy_plumage::anatomy::{barb_cotangent, barbule_factor, hooked, vane_start_coverage}
+#import bevy_plumage::coverage_method::{part_coverage, resolves_parts}
+#import bevy_plumage::footprint::{Footprint}
+#import bevy_plumage::masking::{Vane, mask_vane}
+#import bevy_plumage::math::{smooth_step}
+#import bevy_plumage::query_split::{line_part, line_share, outline_line, rachis_line, rachis_share, split_line}
+
+// A vane that shows less of a footprint than this is left out.
+const LEAST_SHARE: f32 = 1e-3;
+// A part of a footprint with less mass than this is left out.
+const LEAST_PART: f32 = 5e-4;
+// What cover_vane gives of a vane that does not show.
+const NO_VANE: vec4<f32> = vec4(0.0, 0.0, 0.0, 1.0);
+
+// One vane as a card has it: its pattern where the barbules hook, the share of a barb where they do not, the height below which
+// they do not.
+struct CardVane {
+    vane: Vane,
+    fringe: f32,
+    downy: f32,
+}
+
+// Where a vane ends, as a footprint sees it: how far the barb through its mean reaches along x and the derivative by the root of the
+// barb; the share of the footprint inside (outline_node).
+struct Outline {
+    reach: vec2<f32>,
+    share: f32,
+}
+
+// Whether a footprint over the left vane shows enough of it beside the rachis, whose edge is at x = edge.
+fn shows_vane(footprint: Footprint, edge: f32) -> bool {
+    return line_share(rachis_line(edge), footprint) >= LEAST_SHARE;
+}
+
+// One vane's share of a footprint (over the left vane, or mirrored there) beside the rachis, whose edge is at x = edge: barbs, distal
+// and proximal barbules, and the share of their width that the barbules show. `view`: towards the eye, in the same frame. `lod` is
+// what is known of the whole footprint, `parts_lod` of what a line leaves of it.
+fn cover_vane(
+    card: CardVane,
+    start: f32,
+    outline: Outline,
+    footprint: Footprint,
+    edge: f32,
+    view: vec3<f32>,
+    lod: u32,
+    parts_lod: u32,
+    threshold: f32,
+) -> vec4<f32> {
+    let rachis = rachis_line(edge);
+    let beside = line_share(rachis, footprint);
+    if beside < LEAST_SHARE {
+        return NO_VANE;
+    }
+    var vane = card.vane;
+    let cotangent = barb_cotangent(vane.sin_b, vane.cos_b);
+    let mean = footprint.mean;
+    let beyond = Footprint(vec2(min(mean.x, -1e-6), mean.y), footprint.covariance);
+    let begun = vane_start_coverage(beyond, start, cotangent);
+    if outline.share * begun < LEAST_SHARE {
+        return NO_VANE;
+    }
+    // Loose barbules stand on edge: they are narrower, and hide less of each other.
+    let hook = barbule_factor(hooked(abs(mean.x), mean.y, outline.reach.x, card.fringe, card.downy));
+    vane.hooked = hook;
+    let cell = mask_vane(vane, view);
+    // Whichever of rachis and outline takes more of the footprint cuts it into parts, the other one scales them. Where the tangent
+    // tells too little of the outline, the outline scales the whole.
+    let end = outline_line(mean, outline.reach, cotangent);
+    let straight = line_share(end, footprint);
+    let scale = outline.share / max(straight, 1e-6);
+    let is_line = scale <= 2.0 && scale >= 0.5;
+    var first = rachis;
+    var second = end;
+    if is_line && straight < beside {
+        first = end;
+        second = rachis;
+    }
+    let cut = split_line(footprint, first, resolves_parts(cell, vane, footprint, lod, threshold));
+    var covered = vec3(0.0);
+    for (var i = 0u; i < cut.parts; i++) {
+        let part = line_part(cut, i);
+        var mass = part.mass * outline.share;
+        if is_line {
+            mass = part.mass * scale * line_share(second, part.footprint);
+        }
+        if abs(mass) < LEAST_PART {
+            continue;
+        }
+        // What the LOD pass promised of whole footprints does not hold for their parts.
+        let part_lod = select(lod, parts_lod, cut.parts > 1u);
+        covered += mass * part_coverage(cell, vane, part.footprint, part_lod, threshold);
+    }
+    return vec4(max(covered, vec3(0.0)) * begun, hook);
+}
+
+// Share of a footprint at height `v` that the rachis hides, which ends where the card does.
+fn cover_rachis(footprint: Footprint, edges: vec2<f32>, v: f32) -> f32 {
+    return rachis_share(footprint, edges) * (1.0 - smooth_step(0.99, 1.0, v));
+}
+
+// Rachis and both vanes (cover_vane) as shares that sum to at most 1: differences of parts may leave a little too much.
+fn cover_feather(rachis: f32, left: vec4<f32>, right: vec4<f32>) -> vec4<f32> {
+    let weights = vec4(rachis, left.xyz + right.xyz);
+    return max(weights, vec4(0.0)) / max(dot(weights, vec4(1.0)), 1.0);
+}

@@ -1,0 +1,127 @@
+//! The WGSL twins of `maths::card`.
+
+use bevy_plumage::maths::card;
+use rand::{RngExt, SeedableRng};
+
+const FILES: [&str; 1] = ["anatomy.wgsl"];
+const COUNT: usize = 4000;
+const INPUTS: usize = 16;
+const OUTPUTS: usize = 11;
+
+const TEXT: &str = "
+#import bevy_plumage::anatomy::{
+    canonical_footprint, barb_cotangent, barb_root, contour_coverage, vane_start_coverage, hooked, barbule_factor, contour_row,
+}
+fn evaluate(i: u32) {
+    let k = i * 16u;
+    let at = canonical_footprint(
+        vec2(input[k], input[k + 1u]), vec2(input[k + 2u], input[k + 3u]), vec2(input[k + 4u], input[k + 5u]),
+        input[k + 6u], input[k + 7u], input[k + 8u]);
+    let cotangent = barb_cotangent(sin(input[k + 9u]), cos(input[k + 9u]));
+    let reach = input[k + 10u];
+    let root = barb_root(at.mean, cotangent);
+    let o = i * 11u;
+    output[o] = at.mean.x;
+    output[o + 1u] = at.mean.y;
+    output[o + 2u] = at.covariance.x;
+    output[o + 3u] = at.covariance.y;
+    output[o + 4u] = at.covariance.z;
+    output[o + 5u] = root;
+    output[o + 6u] = contour_coverage(at, reach, input[k + 11u], cotangent);
+    output[o + 7u] = vane_start_coverage(at, input[k + 12u], cotangent);
+    output[o + 8u] = hooked(abs(at.mean.x), at.mean.y, reach, input[k + 13u], input[k + 14u]);
+    output[o + 9u] = barbule_factor(output[o + 8u]);
+    output[o + 10u] = contour_row(root, input[k + 12u], 256.0);
+}";
+
+#[test]
+fn shader_and_crate_agree() {
+    let mut random = rand_pcg::Pcg64::seed_from_u64(5);
+    let mut input = Vec::with_capacity(COUNT * INPUTS);
+    for i in 0..COUNT {
+        let mut span = |low: f32, high: f32| low + (high - low) * random.random::<f32>();
+        // Pixels from a twentieth of the feather down to a barbule's width.
+        let size = 10f32.powf(span(-5.0, -1.3));
+        let reach = if i % 10 == 0 { 0.0 } else { span(0.0, 0.3) };
+        input.extend([
+            span(0.0, 1.0),
+            span(0.0, 1.0),
+            size * span(-1.0, 1.0),
+            size * span(-1.0, 1.0),
+            size * span(-1.0, 1.0),
+            size * span(-1.0, 1.0),
+            span(0.2, 0.8),
+            span(-0.6, 0.6),
+            span(0.02, 1.2),
+            span(0.1, 1.4),
+            reach,
+            if i % 7 == 0 {
+                span(-20.0, 20.0)
+            } else {
+                span(-1.0, 1.0)
+            },
+            span(0.0, 0.3),
+            if i % 5 == 0 { 0.0 } else { span(0.0, 1.0) },
+            if i % 6 == 0 { 0.0 } else { span(0.0, 1.0) },
+            span(-3000.0, 3000.0).round(),
+        ]);
+    }
+    let Some(gpu) = plumage_tests::gpu::run(&FILES, TEXT, &input, COUNT, COUNT * OUTPUTS) else {
+        return;
+    };
+    for (i, (x, got)) in input.chunks(INPUTS).zip(gpu.chunks(OUTPUTS)).enumerate() {
+        let at =
+            card::canonical_footprint([x[0], x[1]], [x[2], x[3]], [x[4], x[5]], x[6], x[7], x[8]);
+        let cotangent = card::barb_cotangent(x[9].sin(), x[9].cos());
+        let root = card::barb_root(at.mean, cotangent);
+        let hooked = card::hooked(at.mean[0].abs(), at.mean[1], x[10], x[13], x[14]);
+        let plain = [
+            at.mean[0],
+            at.mean[1],
+            at.covariance[0],
+            at.covariance[1],
+            at.covariance[2],
+            root,
+        ];
+        for k in 0..6 {
+            let tolerance = 1e-6 + 2e-5 * plain[k].abs();
+            assert!(
+                (got[k] - plain[k]).abs() <= tolerance,
+                "case {i} output {k}: {} against {}",
+                got[k],
+                plain[k]
+            );
+        }
+        assert!(
+            (got[8] - hooked).abs() < 1e-4,
+            "case {i} hooked: {} against {hooked}",
+            got[8]
+        );
+        assert!((got[9] - card::barbule_factor(hooked)).abs() < 1e-4);
+        let row = card::contour_row(root, x[12], 256.0);
+        assert!(
+            (got[10] - row).abs() < 0.01,
+            "case {i} row: {} against {row}",
+            got[10]
+        );
+        // A step over a footprint far smaller than the rounding of the point itself may fall on either side: the last
+        // bits of the distance count in units of the footprint.
+        for (k, value) in [
+            (6, card::contour_coverage(&at, x[10], x[11], cotangent)),
+            (7, card::vane_start_coverage(&at, x[12], cotangent)),
+        ] {
+            let sigma = at.covariance[0].max(at.covariance[2]).sqrt().max(1e-7);
+            let tolerance = 1e-4 + 2e-6 / sigma;
+            assert!(
+                (0.0..=1.0).contains(&got[k]),
+                "case {i} output {k}: {}",
+                got[k]
+            );
+            assert!(
+                (got[k] - value).abs() <= tolerance,
+                "case {i} output {k}: {} against {value}",
+                got[k]
+            );
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! Growing feathers on a mesh: scattering, rows, order of the coat, paint, and the component in an app.
+//! The baked birds and their grooms are complete and fit together.
+//! No renderer is needed.
+
+mod birds;
+mod coat;
+mod order;
+mod paint;
+mod plugin;

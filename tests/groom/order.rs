@@ -1,0 +1,112 @@
+//! The coats of the two birds lie in order: ranks, and what can be seen of them in the poses that the birds wear.
+
+use bevy_plumage::{FeatherSettings, groom::Coat};
+use plumage_tests::{
+    order::{Measured, Tally},
+    scene_bird::SceneBird,
+};
+use std::sync::OnceLock;
+
+fn groomed(name: &'static str) -> &'static (SceneBird, Coat) {
+    static PARROT: OnceLock<(SceneBird, Coat)> = OnceLock::new();
+    static EAGLE: OnceLock<(SceneBird, Coat)> = OnceLock::new();
+    let cell = if name == "parrot" { &PARROT } else { &EAGLE };
+    cell.get_or_init(|| {
+        let bird = SceneBird::load(name);
+        let coat = bird.groom(1, 1.0);
+        (bird, coat)
+    })
+}
+
+#[test]
+fn ranks_are_a_permutation_and_rows_keep_their_own_order() {
+    for name in ["parrot", "eagle"] {
+        let (bird, coat) = groomed(name);
+        let mut ranks: Vec<f32> = coat.cards.iter().map(|card| card.layer).collect();
+        ranks.sort_by(f32::total_cmp);
+        let whole = ranks.iter().enumerate().all(|(i, rank)| *rank == i as f32);
+        assert!(whole, "{name}: the layers are no permutation");
+        let regions = bird.groom.regions.len();
+        for (number, row) in bird.groom.rows.iter().enumerate() {
+            let of_row: Vec<f32> = coat
+                .cards
+                .iter()
+                .filter(|card| usize::from(card.region) == regions + number)
+                .map(|card| card.layer)
+                .collect();
+            let rises = row.layer.1 > row.layer.0;
+            for side in of_row.chunks(row.lengths.len()) {
+                let ordered = side.windows(2).all(|pair| (pair[1] > pair[0]) == rises);
+                assert!(ordered, "{name}: {} is out of order", row.name);
+            }
+        }
+    }
+}
+
+/// Bounds of the pixels of feathers, per cent: wrong, and of another color, by depth alone and with the usual window.
+struct Bounds {
+    name: &'static str,
+    quiet: [(f32, f32); 2],
+    /// Time of the widest stretch of the wing, seconds, and its bounds.
+    stretch: (f32, [(f32, f32); 2]),
+}
+
+const BOUNDS: [Bounds; 2] = [
+    Bounds {
+        name: "parrot",
+        quiet: [(5.1, 2.0), (1.15, 0.58)],
+        stretch: (3.38, [(13.9, 3.8), (6.1, 2.15)]),
+    },
+    Bounds {
+        name: "eagle",
+        quiet: [(7.9, 1.35), (2.0, 0.39)],
+        stretch: (4.05, [(15.6, 2.3), (6.6, 1.6)]),
+    },
+];
+
+/// Flicker per 1/30 s while the bird is quiet, by depth alone and with the usual window.
+const FLICKER: [f32; 2] = [0.26, 0.12];
+/// Pixels of the body that the window paints over.
+const PAINTED: f32 = 0.2;
+
+#[test]
+fn few_pixels_show_a_feather_that_another_should_cover() {
+    let usual = FeatherSettings::default().order_window;
+    for bounds in BOUNDS {
+        let name = bounds.name;
+        let (bird, coat) = groomed(name);
+        for (open, window) in [0.0, usual].into_iter().enumerate() {
+            let measured = Measured::new(bird, coat, 200, window);
+            let mut quiet = Tally::default();
+            for phase in [0.02, 0.2, 0.4] {
+                quiet.add(&measured.tally(Some(phase * bird.duration), true));
+            }
+            let stretch = measured.tally(Some(bounds.stretch.0), false);
+            for (what, found, (wrong, color)) in [
+                ("quiet", &quiet.all, bounds.quiet[open]),
+                ("stretch", &stretch.all, bounds.stretch.1[open]),
+            ] {
+                println!(
+                    "{name}, {what}, window {window}: {:.2} %, {:.2} %, flicker {:.3} %, painted over {:.3} %",
+                    found.wrong(),
+                    found.color(),
+                    found.flicker(),
+                    found.painted()
+                );
+                assert!(found.feathers > 20_000, "{name}: {found:?}");
+                assert!(
+                    found.wrong() < wrong,
+                    "{name}, {what}: {:.2} %",
+                    found.wrong()
+                );
+                assert!(
+                    found.color() < color,
+                    "{name}, {what}: {:.2} %",
+                    found.color()
+                );
+                assert!(found.painted() < PAINTED, "{name}: {found:?}");
+            }
+            assert!(quiet.all.flicker() < FLICKER[open], "{name}: {quiet:?}");
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! Light and fibres: energy of the scattering model, its series and tables, sampling, the near field, and whole feathers against
+//! rays to explicit curves; each in Rust against quadrature or tracing, and in the shader against its twin.
+//! Figures of the README: `cargo test -p plumage_tests --test scattering -- --nocapture`.
+
+mod curves_plugin;
+mod curves_rays;
+mod feather;
+mod fibre;
+mod gpu;
+mod gpu_near;
+mod judged;
+mod near;
+mod sample;
+mod traced;

@@ -1,0 +1,227 @@
+//! Wrong pixels of a coat over poses and views, by part of the body.
+
+use crate::scene_bird::{PosedCoat, SceneBird};
+use bevy::{
+    math::{Vec3, Vec3Swizzles},
+    mesh::{Mesh, VertexAttributeValues},
+};
+use bevy_plumage::groom::Coat;
+use plumage_reference::{
+    crossing::{Overlaps, overlaps},
+    visible::{Layers, Pixel, Posed, View},
+};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Directions to the eye: from the left, the front, the back, above the left shoulder, and below.
+const EYES: [Vec3; 5] = [
+    Vec3::X,
+    Vec3::Z,
+    Vec3::NEG_Z,
+    Vec3::new(0.6, 0.6, -0.52),
+    Vec3::new(0.5, -0.8, 0.33),
+];
+
+/// Time from one picture to the next where flicker is measured, seconds.
+const FRAME: f32 = 1.0 / 30.0;
+
+/// Counted pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Count {
+    /// Pixels that show a feather.
+    pub feathers: usize,
+    /// Those that show a feather which another one should cover.
+    pub wrong: usize,
+    /// Those of them whose color differs.
+    pub color: usize,
+    /// Pixels that change their feather within a frame without need.
+    pub flicker: usize,
+    /// Pixels of skin, bill and legs that the window paints over.
+    pub painted: usize,
+}
+
+impl Count {
+    /// Share of the pixels of feathers, per cent.
+    pub fn wrong(&self) -> f32 {
+        100.0 * self.wrong as f32 / self.feathers.max(1) as f32
+    }
+
+    /// Share of the pixels of feathers, per cent.
+    pub fn color(&self) -> f32 {
+        100.0 * self.color as f32 / self.feathers.max(1) as f32
+    }
+
+    /// Share of the pixels of feathers, per cent.
+    pub fn flicker(&self) -> f32 {
+        100.0 * self.flicker as f32 / self.feathers.max(1) as f32
+    }
+
+    /// Pixels of the body painted over, over the pixels of feathers, per cent.
+    pub fn painted(&self) -> f32 {
+        100.0 * self.painted as f32 / self.feathers.max(1) as f32
+    }
+
+    /// Adds another count.
+    pub fn add(&mut self, other: &Self) {
+        self.feathers += other.feathers;
+        self.wrong += other.wrong;
+        self.color += other.color;
+        self.flicker += other.flicker;
+        self.painted += other.painted;
+    }
+}
+
+/// The pixels of one pose.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    /// All.
+    pub all: Count,
+    /// By part of the body.
+    pub parts: BTreeMap<&'static str, Count>,
+}
+
+/// A groomed bird whose order is measured.
+pub struct Measured<'a> {
+    /// Bird.
+    pub bird: &'a SceneBird,
+    /// Its coat.
+    pub coat: &'a Coat,
+    /// Side of a picture, pixels.
+    pub size: usize,
+    /// Window of the order by rank, widths of a feather.
+    pub window: f32,
+    /// Half the side of a picture, metres.
+    pub half: f32,
+    uvs: Vec<[f32; 2]>,
+}
+
+impl<'a> Measured<'a> {
+    /// Measures in pictures of `size` pixels, with a window in widths of a feather.
+    pub fn new(bird: &'a SceneBird, coat: &'a Coat, size: usize, window: f32) -> Self {
+        let uvs = match coat.mesh.attribute(Mesh::ATTRIBUTE_UV_0) {
+            Some(VertexAttributeValues::Float32x2(uvs)) => uvs.clone(),
+            _ => Vec::new(),
+        };
+        let top = bird.bird.skin.positions.iter().map(|p| p.y);
+        Self {
+            bird,
+            coat,
+            size,
+            window,
+            half: 0.45 * top.fold(0.0, f32::max),
+            uvs,
+        }
+    }
+
+    /// Pose of a time of the clip (none: bind pose).
+    pub fn pose(&self, time: Option<f32>) -> PosedCoat {
+        let skinning = self.bird.skinning(time);
+        let vertices = SceneBird::vertices(self.coat);
+        self.bird.pose(self.coat, &vertices, &skinning)
+    }
+
+    /// The views of a pose.
+    pub fn views(&self, pose: &PosedCoat) -> Vec<View> {
+        let corners = pose.body.iter().flatten();
+        let (low, high) = corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| {
+            (a.min(*p), b.max(*p))
+        });
+        let view = |eye: &Vec3| {
+            let eye = eye.normalize();
+            let right = Vec3::Y.cross(eye).xyz().normalize_or(Vec3::X);
+            View {
+                center: 0.5 * (low + high),
+                eye,
+                right,
+                half: self.half,
+                size: self.size,
+            }
+        };
+        EYES.iter().map(view).collect()
+    }
+
+    fn posed<'b>(&'b self, pose: &'b PosedCoat) -> Posed<'b> {
+        Posed {
+            cards: &self.coat.cards,
+            geometry: &self.coat.geometry,
+            positions: &pose.cards,
+            uvs: &self.uvs,
+            body: &pose.body,
+        }
+    }
+
+    /// Draws and judges one view of a pose.
+    pub fn judge(&self, pose: &PosedCoat, view: &View) -> (Layers, Vec<Pixel>) {
+        let posed = self.posed(pose);
+        let layers = posed.draw(view);
+        let pixels = posed.judge(&layers, self.window);
+        (layers, pixels)
+    }
+
+    /// Counts a time of the clip (none: bind pose, without flicker).
+    pub fn tally(&self, time: Option<f32>, flicker: bool) -> Tally {
+        let pose = self.pose(time);
+        let next = time
+            .filter(|_| flicker)
+            .map(|time| self.pose(Some(time + FRAME)));
+        let counted: Vec<Tally> = self
+            .views(&pose)
+            .par_iter()
+            .map(|view| {
+                let (layers, pixels) = self.judge(&pose, view);
+                let mut tally = Tally::default();
+                for pixel in &pixels {
+                    let Some(card) = pixel.card() else { continue };
+                    let one = Count {
+                        feathers: 1,
+                        wrong: usize::from(matches!(pixel, Pixel::Wrong(_) | Pixel::WrongColor(_))),
+                        color: usize::from(matches!(pixel, Pixel::WrongColor(_))),
+                        ..Count::default()
+                    };
+                    tally.all.add(&one);
+                    let part = self.bird.part(self.coat.cards[card as usize].region);
+                    tally.parts.entry(part).or_default().add(&one);
+                }
+                tally.all.painted = layers.painted_over(&self.coat.cards, self.window);
+                if let Some(next) = &next {
+                    let (its_layers, its) = self.judge(next, view);
+                    tally.all.flicker = layers.flicker(&pixels, &its_layers, &its);
+                }
+                tally
+            })
+            .collect();
+        let mut sum = Tally::default();
+        counted.iter().for_each(|tally| sum.add(tally));
+        sum
+    }
+
+    /// Pairs of neighbors that poke through each other in a pose: those rooted, in bind pose, within a length and a width of each
+    /// other that face the same way.
+    pub fn pairs(&self, time: Option<f32>) -> Overlaps {
+        let cards = &self.coat.cards;
+        let pose = self.pose(time);
+        let mut found = overlaps(cards, &self.coat.geometry, &pose.cards, &self.uvs);
+        found.list.retain(|pair| {
+            let [a, b] = [pair.upper, pair.lower].map(|i| &cards[i as usize]);
+            let reach = a.length.max(b.length) + a.width.max(b.width);
+            a.root.distance(b.root) < reach && a.normal.dot(b.normal) > 0.0
+        });
+        found
+    }
+
+    /// Times of `count` phases of the clip, a tenth into equal parts: none is a key pose.
+    pub fn phases(&self, count: usize) -> Vec<f32> {
+        let step = self.bird.duration / count.max(1) as f32;
+        (0..count).map(|i| step * (i as f32 + 0.1)).collect()
+    }
+}
+
+impl Tally {
+    /// Adds another tally.
+    pub fn add(&mut self, other: &Self) {
+        self.all.add(&other.all);
+        for (part, count) in &other.parts {
+            self.parts.entry(part).or_default().add(count);
+        }
+    }
+}

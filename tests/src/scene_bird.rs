@@ -1,0 +1,394 @@
+//! The birds of the scenes without an app: their glTF files read and posed, and their coats groomed.
+
+use bevy::{
+    asset::RenderAssetUsages,
+    math::{Affine3A, Mat4, Quat, Vec3},
+    mesh::{Indices, Mesh, PrimitiveTopology, VertexAttributeValues},
+};
+use bevy_plumage::groom::{
+    Bird, Coat, Groom, JointPose, KeyPose, SkinMesh, fan_transform, groom_bird, skin::Weights,
+};
+use gltf_json::{
+    Root, accessor::ComponentType, animation::Property, mesh::Semantic, validation::Checked::Valid,
+};
+use std::path::Path;
+
+/// A node's place under its parent.
+#[derive(Clone, Copy)]
+struct Local {
+    translation: Vec3,
+    rotation: Quat,
+    scale: Vec3,
+}
+
+/// One animated property of one node.
+struct Channel {
+    node: usize,
+    property: Property,
+    times: Vec<f32>,
+    values: Vec<[f32; 4]>,
+}
+
+/// A bird, its skeleton, and its clip.
+pub struct SceneBird {
+    /// Skin and names of the joints.
+    pub bird: Bird,
+    /// Its groom.
+    pub groom: Groom,
+    /// Length of the clip, seconds.
+    pub duration: f32,
+    parts: Vec<(Vec<Vec3>, Vec<Weights>, Vec<u32>)>,
+    inverse_bind: Vec<Mat4>,
+    joints: Vec<usize>,
+    nodes: Vec<Local>,
+    parents: Vec<Option<usize>>,
+    channels: Vec<Channel>,
+}
+
+/// Cards and body in one pose.
+pub struct PosedCoat {
+    /// Vertices of the card mesh.
+    pub cards: Vec<Vec3>,
+    /// Triangles of skin, bill, legs and eyes.
+    pub body: Vec<[Vec3; 3]>,
+}
+
+struct File {
+    root: Root,
+    bytes: Vec<u8>,
+}
+
+impl File {
+    fn read(path: &Path) -> Self {
+        let bytes = std::fs::read(path).expect("the bird is there");
+        let word = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i])) as usize;
+        let json = word(12);
+        Self {
+            root: Root::from_slice(&bytes[20..20 + json]).expect("glTF parses"),
+            bytes: bytes[28 + json..].to_vec(),
+        }
+    }
+
+    /// An accessor's values, `N` numbers each.
+    fn values<const N: usize>(&self, accessor: usize) -> Vec<[f32; N]> {
+        let accessor = &self.root.accessors[accessor];
+        let view = &self.root.buffer_views[accessor.buffer_view.expect("has a view").value()];
+        let start = (view.byte_offset.map_or(0, |at| at.0)
+            + accessor.byte_offset.map_or(0, |at| at.0)) as usize;
+        let Valid(component) = accessor.component_type else {
+            panic!("component type")
+        };
+        let size = match component.0 {
+            ComponentType::U8 | ComponentType::I8 => 1,
+            ComponentType::U16 | ComponentType::I16 => 2,
+            ComponentType::U32 | ComponentType::F32 => 4,
+        };
+        let number = |at: usize| {
+            let bytes = &self.bytes[at..at + size];
+            match component.0 {
+                ComponentType::U8 => f32::from(bytes[0]),
+                ComponentType::U16 => f32::from(u16::from_le_bytes([bytes[0], bytes[1]])),
+                ComponentType::U32 => {
+                    u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as f32
+                }
+                ComponentType::F32 => f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]),
+                other => panic!("component type {other:?}"),
+            }
+        };
+        (0..accessor.count.0 as usize)
+            .map(|i| std::array::from_fn(|k| number(start + (i * N + k) * size)))
+            .collect()
+    }
+}
+
+/// File of the assets folder.
+fn asset(path: &str) -> std::path::PathBuf {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../assets")).join(path)
+}
+
+impl SceneBird {
+    /// Reads `assets/birds/{name}.glb` and its groom.
+    ///
+    /// # Panics
+    /// If either is missing or damaged.
+    pub fn load(name: &str) -> Self {
+        let text = std::fs::read_to_string(asset(&format!("grooms/{name}.groom.ron")))
+            .expect("the groom is there");
+        let groom: Groom = ron::from_str(&text).expect("the groom parses");
+        let file = File::read(&asset(&format!("birds/{name}.glb")));
+        let root = &file.root;
+        let skin = &root.skins[0];
+        let joints: Vec<usize> = skin.joints.iter().map(|joint| joint.value()).collect();
+        let inverse = skin.inverse_bind_matrices.expect("has bind poses").value();
+        let inverse_bind = file.values::<16>(inverse);
+        let inverse_bind = inverse_bind.iter().map(Mat4::from_cols_array).collect();
+        let names = joints
+            .iter()
+            .map(|node| root.nodes[*node].name.clone().unwrap_or_default())
+            .collect();
+        let mut parents = vec![None; root.nodes.len()];
+        for (number, node) in root.nodes.iter().enumerate() {
+            for child in node.children.iter().flatten() {
+                parents[child.value()] = Some(number);
+            }
+        }
+        let nodes = root
+            .nodes
+            .iter()
+            .map(|node| Local {
+                translation: node.translation.map_or(Vec3::ZERO, Vec3::from_array),
+                rotation: node
+                    .rotation
+                    .map_or(Quat::IDENTITY, |q| Quat::from_array(q.0)),
+                scale: node.scale.map_or(Vec3::ONE, Vec3::from_array),
+            })
+            .collect();
+        let (mut meshes, mut parts) = (Vec::new(), Vec::new());
+        for mesh in &root.meshes {
+            for primitive in &mesh.primitives {
+                let find = |semantic: Semantic| {
+                    let found = primitive.attributes.get(&Valid(semantic));
+                    found.map(|accessor| accessor.value())
+                };
+                let must = |semantic: Semantic| find(semantic).expect("attribute is there");
+                let positions = file.values::<3>(must(Semantic::Positions));
+                let joints: Vec<[u16; 4]> = file
+                    .values::<4>(must(Semantic::Joints(0)))
+                    .iter()
+                    .map(|list| list.map(|joint| joint as u16))
+                    .collect();
+                let weights = file.values::<4>(must(Semantic::Weights(0)));
+                let indices: Vec<u32> = file
+                    .values::<1>(primitive.indices.expect("indexed").value())
+                    .iter()
+                    .map(|index| index[0] as u32)
+                    .collect();
+                parts.push((
+                    positions.iter().copied().map(Vec3::from_array).collect(),
+                    joints
+                        .iter()
+                        .copied()
+                        .zip(weights.iter().copied())
+                        .collect(),
+                    indices.clone(),
+                ));
+                let Some(tracts) = find(Semantic::TexCoords(1)) else {
+                    continue;
+                };
+                let mut mesh = Mesh::new(
+                    PrimitiveTopology::TriangleList,
+                    RenderAssetUsages::default(),
+                );
+                mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
+                let normals = file.values::<3>(must(Semantic::Normals));
+                mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
+                let colors = file.values::<4>(must(Semantic::Colors(0)));
+                mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, colors);
+                mesh.insert_attribute(Mesh::ATTRIBUTE_UV_1, file.values::<2>(tracts));
+                mesh.insert_attribute(
+                    Mesh::ATTRIBUTE_JOINT_INDEX,
+                    VertexAttributeValues::Uint16x4(joints),
+                );
+                mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
+                mesh.insert_indices(Indices::U32(indices));
+                meshes.push(mesh);
+            }
+        }
+        let clip = &root.animations[0];
+        let channels: Vec<Channel> = clip
+            .channels
+            .iter()
+            .map(|channel| {
+                let sampler = &clip.samplers[channel.sampler.value()];
+                let Valid(property) = channel.target.path else {
+                    panic!("property")
+                };
+                let times = file.values::<1>(sampler.input.value());
+                let output = sampler.output.value();
+                let values = match property {
+                    Property::Rotation => file.values::<4>(output),
+                    _ => file
+                        .values::<3>(output)
+                        .iter()
+                        .map(|v| [v[0], v[1], v[2], 0.0])
+                        .collect(),
+                };
+                Channel {
+                    node: channel.target.node.value(),
+                    property,
+                    times: times.iter().map(|time| time[0]).collect(),
+                    values,
+                }
+            })
+            .collect();
+        let last = |channel: &Channel| channel.times.last().copied().unwrap_or(0.0);
+        let meshes: Vec<&Mesh> = meshes.iter().collect();
+        Self {
+            bird: Bird {
+                skin: SkinMesh::from_meshes(&meshes, &[]).expect("the body is a skin"),
+                joints: names,
+            },
+            groom,
+            duration: channels.iter().map(last).fold(0.0, f32::max),
+            parts,
+            inverse_bind,
+            joints,
+            nodes,
+            parents,
+            channels,
+        }
+    }
+
+    /// Its coat.
+    ///
+    /// # Panics
+    /// If the groom is damaged.
+    pub fn groom(&self, seed: u64, density: f32) -> Coat {
+        groom_bird(&self.bird, &self.groom, seed, density).expect("the bird is groomed")
+    }
+
+    /// What each joint of the body does to the bind pose at a time of the clip; without a time: nothing.
+    pub fn skinning(&self, time: Option<f32>) -> Vec<Affine3A> {
+        let Some(time) = time else {
+            return vec![Affine3A::IDENTITY; self.joints.len()];
+        };
+        let mut nodes = self.nodes.clone();
+        for channel in &self.channels {
+            let time = time.rem_euclid(self.duration.max(1.0e-6));
+            let after = channel.times.partition_point(|t| *t <= time);
+            let (a, b) = (after.saturating_sub(1), after.min(channel.times.len() - 1));
+            let span = channel.times[b] - channel.times[a];
+            let share = if span > 0.0 {
+                (time - channel.times[a]) / span
+            } else {
+                0.0
+            };
+            let (from, to) = (channel.values[a], channel.values[b]);
+            let node = &mut nodes[channel.node];
+            let vector = |v: [f32; 4]| Vec3::new(v[0], v[1], v[2]);
+            let mixed = vector(from).lerp(vector(to), share);
+            match channel.property {
+                Property::Rotation => {
+                    node.rotation = Quat::from_array(from)
+                        .slerp(Quat::from_array(to), share)
+                        .normalize();
+                }
+                Property::Translation => node.translation = mixed,
+                Property::Scale => node.scale = mixed,
+                Property::MorphTargetWeights => {}
+            }
+        }
+        let global = |joint: usize| {
+            let mut matrix = Affine3A::IDENTITY;
+            let mut at = Some(joint);
+            while let Some(node) = at {
+                let own = nodes[node];
+                matrix = Affine3A::from_scale_rotation_translation(
+                    own.scale,
+                    own.rotation,
+                    own.translation,
+                ) * matrix;
+                at = self.parents[node];
+            }
+            matrix
+        };
+        self.joints
+            .iter()
+            .zip(&self.inverse_bind)
+            .map(|(joint, inverse)| global(*joint) * Affine3A::from_mat4(*inverse))
+            .collect()
+    }
+
+    /// The pose of a time of the clip, as grooms give poses.
+    pub fn key_pose(&self, name: &str, time: f32) -> KeyPose {
+        let joints = self.bird.joints.iter().zip(self.skinning(Some(time)));
+        let round = |x: f32| (x * 1.0e5).round() * 1.0e-5;
+        let pose = |(joint, matrix): (&String, Affine3A)| {
+            let (_, rotation, translation) = matrix.to_scale_rotation_translation();
+            JointPose {
+                joint: joint.clone(),
+                rotation: rotation.to_array().map(round),
+                translation: (translation / self.groom.unit).to_array().map(round),
+            }
+        };
+        KeyPose {
+            name: name.into(),
+            joints: joints.map(pose).collect(),
+        }
+    }
+
+    /// Where a coat's vertices, given in bind pose, and the body are in a pose.
+    pub fn pose(&self, coat: &Coat, vertices: &[Vec3], skinning: &[Affine3A]) -> PosedCoat {
+        let mut all = skinning.to_vec();
+        all.extend(
+            coat.fans
+                .iter()
+                .map(|fan| fan_transform(fan, skinning) * Affine3A::from_mat4(fan.inverse_bind())),
+        );
+        let joints = match coat.mesh.attribute(Mesh::ATTRIBUTE_JOINT_INDEX) {
+            Some(VertexAttributeValues::Uint16x4(joints)) => joints.as_slice(),
+            _ => &[],
+        };
+        let weights = match coat.mesh.attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT) {
+            Some(VertexAttributeValues::Float32x4(weights)) => weights.as_slice(),
+            _ => &[],
+        };
+        let cards = vertices
+            .iter()
+            .zip(joints.iter().zip(weights))
+            .map(|(place, (joints, weights))| carried(*place, (*joints, *weights), &all))
+            .collect();
+        let mut body = Vec::new();
+        for (positions, weights, indices) in &self.parts {
+            let posed: Vec<Vec3> = positions
+                .iter()
+                .zip(weights)
+                .map(|(place, weights)| carried(*place, *weights, skinning))
+                .collect();
+            body.extend(
+                indices
+                    .chunks_exact(3)
+                    .map(|corner| [0, 1, 2].map(|k| posed[corner[k] as usize])),
+            );
+        }
+        PosedCoat { cards, body }
+    }
+
+    /// Vertices of a coat as they are in its mesh, in bind pose.
+    pub fn vertices(coat: &Coat) -> Vec<Vec3> {
+        match coat.mesh.attribute(Mesh::ATTRIBUTE_POSITION) {
+            Some(VertexAttributeValues::Float32x3(list)) => {
+                list.iter().copied().map(Vec3::from_array).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// Part of the body that a region or row of its groom belongs to.
+    pub fn part(&self, region: u16) -> &'static str {
+        let region = usize::from(region);
+        let name = match region.checked_sub(self.groom.regions.len()) {
+            None => self.groom.regions[region].name.as_str(),
+            Some(row) => self.groom.rows[row].name.as_str(),
+        };
+        match name {
+            "crown" | "nape" | "cheek" | "face" | "lore" | "face_lines" | "neck_dorsal"
+            | "neck_ventral" => "head and neck",
+            "scapulars" => "scapulars",
+            "femoral" | "crural" | "tarsal" => "legs",
+            "lesser_upper" | "marginal_upper" | "elbow" => "wing coverts",
+            "lesser_under" | "marginal_under" | "axillaries" => "under wing",
+            _ if name.starts_with("under_") && !name.contains("tail") => "under wing",
+            _ if name.contains("tail") || name == "rectrices" => "tail",
+            _ if region >= self.groom.regions.len() => "flight feathers and coverts",
+            _ => "trunk",
+        }
+    }
+}
+
+fn carried(place: Vec3, (joints, weights): Weights, matrices: &[Affine3A]) -> Vec3 {
+    (0..4)
+        .filter(|k| weights[*k] > 0.0)
+        .map(|k| matrices[usize::from(joints[k])].transform_point3(place) * weights[k])
+        .sum()
+}

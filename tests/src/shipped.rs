@@ -1,0 +1,69 @@
+//! The feathers and grooms that are shipped with the library, read from its files.
+
+use bevy_plumage::{anatomy::Feather, asset::RonAsset, groom::Groom};
+
+/// The names of all feathers: the macaw's, the eagle's, one neutral feather of each type.
+pub const FEATHERS: [&str; 39] = [
+    "macaw_head",
+    "macaw_face_line",
+    "macaw_neck",
+    "macaw_contour",
+    "macaw_soft",
+    "macaw_blue",
+    "macaw_semiplume",
+    "macaw_lesser",
+    "macaw_greater",
+    "macaw_primary",
+    "macaw_secondary",
+    "macaw_rectrix",
+    "macaw_leg",
+    "eagle_head",
+    "eagle_bristle",
+    "eagle_hackle",
+    "eagle_contour",
+    "eagle_soft",
+    "eagle_semiplume",
+    "eagle_lesser",
+    "eagle_greater",
+    "eagle_primary",
+    "eagle_secondary",
+    "eagle_rectrix",
+    "eagle_trouser",
+    "eagle_tarsal",
+    "primary",
+    "secondary",
+    "rectrix",
+    "alula",
+    "greater_covert",
+    "median_covert",
+    "lesser_covert",
+    "contour",
+    "semiplume",
+    "down",
+    "hackle",
+    "bristle",
+    "filoplume",
+];
+
+/// The asset in a file below `assets/`.
+pub fn read<A: RonAsset>(path: &str) -> A {
+    let path = crate::asset(path);
+    let name = path.display().to_string();
+    let bytes = std::fs::read(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
+    A::from_ron(&bytes, &name).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The feather of this name.
+pub fn feather(name: &str) -> Feather {
+    read(&format!("feathers/{name}.feather.ron"))
+}
+
+/// All feathers, in the order of [`FEATHERS`].
+pub fn feathers() -> Vec<Feather> {
+    FEATHERS.into_iter().map(feather).collect()
+}
+
+/// The groom of this name.
+pub fn groom(name: &str) -> Groom {
+    read(&format!("grooms/{name}.groom.ron"))
+}
