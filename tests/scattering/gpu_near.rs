@@ -72,6 +72,18 @@ fn pack_drawn(tables: &[FibreTable], list: &[Drawn]) -> Vec<f32> {
     input
 }
 
+/// 12 numbers a case, as `ENTRY` writes them; none where there is no adapter.
+fn evaluated(tables: &[FibreTable], cases: &[Drawn]) -> Option<Vec<f32>> {
+    let count = cases.len();
+    run(
+        &FILES,
+        &[ENTRY, LOAD].concat(),
+        &pack_drawn(tables, cases),
+        count,
+        count * 12,
+    )
+}
+
 fn random_case(random: &mut Pcg64Mcg, fibre: usize, k: usize) -> Drawn {
     let omega_o = on_sphere(random);
     let mut omega_i = on_sphere(random);
@@ -131,14 +143,7 @@ fn near_field_and_sampling_agree_with_the_crate() {
             }
         }
     }
-    let input = pack_drawn(&tables, &cases);
-    let Some(out) = run(
-        &FILES,
-        &[ENTRY, LOAD].concat(),
-        &input,
-        cases.len(),
-        cases.len() * 12,
-    ) else {
+    let Some(out) = evaluated(&tables, &cases) else {
         return;
     };
     let (mut worst, mut off, mut compared) = ([0.0_f64; 4], 0, 0);
@@ -228,13 +233,7 @@ fn the_shader_draws_what_the_density_says() {
                 u: [0; 4].map(|_| uniform(&mut random) as f32),
             })
             .collect();
-        let Some(out) = run(
-            &FILES,
-            &[ENTRY, LOAD].concat(),
-            &pack_drawn(&tables, &cases),
-            count,
-            count * 12,
-        ) else {
+        let Some(out) = evaluated(&tables, &cases) else {
             return;
         };
         let s = shade(&tables[fibre], &first);

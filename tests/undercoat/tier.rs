@@ -10,16 +10,10 @@ use plumage_tests::gpu;
 
 #[test]
 fn rule_of_four_layers() {
+    let drawn =
+        |cover: f64, lift: f64, was: bool| is_drawn(cover, lift, CONTRAST, 1.0 / 255.0, was);
     // Real tracts: macaw 6.2 to 10.1, eagle 4.7 to 19.6 are skipped at rest; fillers and faces are drawn.
-    let rest = |k: f64| {
-        is_drawn(
-            cover_now(k, 0.0, 1.0, 0.0),
-            0.0,
-            CONTRAST,
-            1.0 / 255.0,
-            false,
-        )
-    };
+    let rest = |k: f64| drawn(cover_now(k, 0.0, 1.0, 0.0), 0.0, false);
     for k in [4.7, 6.2, 10.1, 19.6] {
         assert!(!rest(k), "{k}");
     }
@@ -29,33 +23,12 @@ fn rule_of_four_layers() {
     // What is skipped is below the error, rounded.
     assert!(cover_transmittance(4.0 + 1e-9) * CONTRAST < 1.1 / 255.0);
     // Hysteresis.
-    assert!(
-        is_drawn(4.2, 0.0, CONTRAST, 1.0 / 255.0, true)
-            && !is_drawn(4.2, 0.0, CONTRAST, 1.0 / 255.0, false)
-    );
-    assert!(!is_drawn(4.5, 0.0, CONTRAST, 1.0 / 255.0, true));
+    assert!(drawn(4.2, 0.0, true) && !drawn(4.2, 0.0, false));
+    assert!(!drawn(4.5, 0.0, true));
     // Ruffled, moulting, stretched.
-    assert!(is_drawn(
-        cover_now(9.0, 0.4, 1.0, 0.0),
-        0.4,
-        CONTRAST,
-        1.0 / 255.0,
-        false
-    ));
-    assert!(is_drawn(
-        cover_now(6.2, 0.0, 1.0, 0.5),
-        0.0,
-        CONTRAST,
-        1.0 / 255.0,
-        false
-    ));
-    assert!(is_drawn(
-        cover_now(6.2, 0.0, 2.0, 0.0),
-        0.0,
-        CONTRAST,
-        1.0 / 255.0,
-        false
-    ));
+    assert!(drawn(cover_now(9.0, 0.4, 1.0, 0.0), 0.4, false));
+    assert!(drawn(cover_now(6.2, 0.0, 1.0, 0.5), 0.0, false));
+    assert!(drawn(cover_now(6.2, 0.0, 2.0, 0.0), 0.0, false));
 }
 
 #[test]
