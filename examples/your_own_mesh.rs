@@ -1,8 +1,8 @@
 //! Feathers on a mesh of your own: any glTF, skinned or not, with no groom file.
 //!
 //! `cargo run --example your_own_mesh -- --mesh path/to/model.glb --clip 1`: the mesh is groomed by what it offers
-//! (`Groom::fallback`: tract numbers, vertex colors, joints, or nothing), its animation number `--clip` plays, and the camera frames
-//! it whatever its scale. A base color texture becomes vertex colors first, so that the feathers take its colors. F1 lists the keys.
+//! (`Groom::fallback`: tract numbers, vertex colors, joints, or nothing) in the colors of its materials and textures, its animation
+//! number `--clip` plays if there is one, and the camera frames it whatever its scale. F1 lists the keys.
 
 mod helper;
 
@@ -38,7 +38,7 @@ fn main() -> AppExit {
     })
 }
 
-/// The model, until its scene is there, painted and measured.
+/// The model, until its scene is there and measured.
 #[derive(Component, Default)]
 struct Bare {
     ready: bool,
@@ -87,26 +87,19 @@ fn report(
     }
 }
 
-/// Once the scene is there: measures it all through its animation; then colors, size, feathers.
+/// Once the scene is there: measures it all through its animation; then size and feathers.
 fn dress(
     mut commands: Commands,
     mut bare: Query<(Entity, &mut Bare, &Idle, &mut Transform)>,
     args: Res<Args>,
     shots: Res<Shots>,
     children: Query<&Children>,
-    parts: Query<(
-        &Mesh3d,
-        Option<&SkinnedMesh>,
-        Option<&MeshMaterial3d<StandardMaterial>>,
-        &GlobalTransform,
-    )>,
+    parts: Query<(&Mesh3d, Option<&SkinnedMesh>, &GlobalTransform)>,
     places: Query<&GlobalTransform>,
     mut players: Query<&mut AnimationPlayer>,
     clips: Res<Assets<AnimationClip>>,
     poses: Res<Assets<SkinnedMeshInverseBindposes>>,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-    images: Res<Assets<Image>>,
+    meshes: Res<Assets<Mesh>>,
 ) {
     for (root, mut state, idle, mut transform) in &mut bare {
         if !state.ready {
@@ -127,7 +120,7 @@ fn dress(
                 }
             }
             if state.frames.is_multiple_of(SETTLE)
-                && let Ok((mesh, skin, _, place)) = parts.get(entity)
+                && let Ok((mesh, skin, place)) = parts.get(entity)
                 && let Some(mesh) = meshes.get(&mesh.0)
             {
                 let points = posed(mesh, skin, place, &places, &poses);
@@ -136,14 +129,6 @@ fn dress(
         }
         if moment < MOMENTS {
             continue;
-        }
-        for entity in children.iter_descendants(root) {
-            if let Ok((mesh, _, material, _)) = parts.get(entity)
-                && let Some(mut mesh) = meshes.get_mut(&mesh.0)
-                && let Some(mut material) = material.and_then(|m| materials.get_mut(&m.0))
-            {
-                paint(&mut mesh, &mut material, &images);
-            }
         }
         if let Some((center, scale)) = fit(&state.points, &shots, args.size) {
             transform.scale = Vec3::splat(scale);
@@ -179,33 +164,6 @@ fn fit(points: &[Vec3], shots: &Shots, (width, height): (u32, u32)) -> Option<(V
             .min(side / reach(*eye.right()));
     }
     (scale.is_finite() && scale > 0.0).then_some((center, FILLED * scale))
-}
-
-/// Turns a base color texture into vertex colors.
-fn paint(mesh: &mut Mesh, material: &mut StandardMaterial, images: &Assets<Image>) {
-    let Some(image) = material
-        .base_color_texture
-        .as_ref()
-        .and_then(|i| images.get(i))
-    else {
-        return;
-    };
-    let Some(VertexAttributeValues::Float32x2(uvs)) = mesh.attribute(Mesh::ATTRIBUTE_UV_0) else {
-        return;
-    };
-    let size = image.size();
-    let texel = |x: f32, n: u32| (x.rem_euclid(1.0) * n as f32).min(n as f32 - 1.0) as u32;
-    let colors: Option<Vec<[f32; 4]>> = uvs
-        .iter()
-        .map(|uv| {
-            let color = image.get_color_at(texel(uv[0], size.x), texel(uv[1], size.y));
-            color.ok().map(|c| c.to_linear().to_f32_array())
-        })
-        .collect();
-    if let Some(colors) = colors {
-        mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, colors);
-        material.base_color_texture = None;
-    }
 }
 
 /// Vertices where the skeleton has put them.

@@ -68,6 +68,11 @@ pub mod shaders;
 mod shaders;
 #[cfg(feature = "internals")]
 #[doc(hidden)]
+pub mod skin_color;
+#[cfg(not(feature = "internals"))]
+mod skin_color;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod undercoat;
 #[cfg(not(feature = "internals"))]
 mod undercoat;
@@ -91,6 +96,7 @@ pub use render::{
     FeatherQuality, FeatherRenderPlugin, FeatherSettings, FeatherTransparency, PlumageMemory,
     Ruffle, Wind,
 };
+pub use skin_color::SkinColorPlugin;
 pub use undercoat::{
     GuardStrands, Undercoat, UndercoatFailed, UndercoatMode, UndercoatOf, UndercoatParts,
     UndercoatPlugin, UndercoatQuality, UndercoatReady, UndercoatSettings, UndercoatState,

@@ -2,7 +2,7 @@
 
 use crate::{
     anatomy::AnatomyPlugin, groom::GroomPlugin, render::FeatherRenderPlugin,
-    undercoat::UndercoatPlugin,
+    skin_color::SkinColorPlugin, undercoat::UndercoatPlugin,
 };
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 
@@ -14,6 +14,7 @@ impl PluginGroup for PlumagePlugins {
         let group = PluginGroupBuilder::start::<Self>()
             .add(AnatomyPlugin)
             .add(GroomPlugin)
+            .add(SkinColorPlugin)
             .add(FeatherRenderPlugin::default())
             .add(UndercoatPlugin);
         #[cfg(feature = "photo")]

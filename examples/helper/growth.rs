@@ -58,7 +58,15 @@ impl FailedFiles {
     /// Whether files have failed, and what does not depend on them has had its time.
     pub fn given_up(&mut self, world: &World) -> bool {
         let messages = world.resource::<Messages<UntypedAssetLoadFailedEvent>>();
-        if !messages.is_empty() {
+        // Without its clip a bird stands still, that is all.
+        let clip = |event: &UntypedAssetLoadFailedEvent| {
+            let label = event.path.label();
+            label.is_some_and(|label| label.starts_with("Animation"))
+        };
+        if messages
+            .iter_current_update_messages()
+            .any(|event| !clip(event))
+        {
             self.0 = Some(Instant::now());
         }
         self.0.is_some_and(|at| at.elapsed() > GRACE)

@@ -298,6 +298,11 @@ pub struct Region {
     /// Color.
     #[reflect(@Parameter::share())]
     pub tint: Tint,
+    /// Share of its color that a feather takes from the skin at its root (base color, texture and vertex colors), 0..1; the rest is
+    /// the tint.
+    #[reflect(@Parameter::share())]
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub skin_color: f32,
     /// Random variation.
     #[serde(default)]
     pub jitter: Jitter,
@@ -409,9 +414,33 @@ pub struct Row {
     /// Color.
     #[reflect(@Parameter::share())]
     pub tint: Tint,
+    /// Share of its color that a feather takes from the skin at its root (base color, texture and vertex colors), 0..1; the rest is
+    /// the tint.
+    #[reflect(@Parameter::share())]
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub skin_color: f32,
     /// Random variation.
     #[serde(default)]
     pub jitter: Jitter,
+}
+
+/// What need not be written.
+fn is_zero(share: &f32) -> bool {
+    *share == 0.0
+}
+
+impl Groom {
+    /// Whether any feather takes its color from the skin.
+    pub(super) fn takes_skin_color(&self) -> bool {
+        let mut shares = self.shares();
+        shares.any(|share| share > 0.0)
+    }
+
+    /// Share of the skin's color of each region, then of each row.
+    pub(super) fn shares(&self) -> impl Iterator<Item = f32> {
+        let regions = self.regions.iter().map(|region| region.skin_color);
+        regions.chain(self.rows.iter().map(|row| row.skin_color))
+    }
 }
 
 /// An empty groom in millimetres.
@@ -457,6 +486,7 @@ impl Default for Region {
             layer: 0.0,
             segments: Segments::default(),
             tint: Tint::default(),
+            skin_color: 0.0,
             jitter: Jitter::default(),
             down: None,
         }
@@ -534,6 +564,7 @@ impl Row {
             offset: 0.0,
             segments: Segments::default(),
             tint: Tint::default(),
+            skin_color: 0.0,
             jitter: Jitter::default(),
         }
     }

@@ -16,7 +16,7 @@ use super::{
     scatter::scatter,
     select::select_triangles,
     settle::settle,
-    skin::{SkinMesh, Weights, blend_weights},
+    skin::{SkinMesh, SurfacePoint, Weights, blend_weights},
 };
 use crate::asset::RonAsset;
 use crate::maths::seed::{Stream, name_hash, place_hash};
@@ -52,6 +52,8 @@ pub struct Coat {
     pub crossings: layer::Crossings,
     /// Tracts with down below the feathers.
     pub down: Vec<DownTract>,
+    /// Where each card takes the skin's color; empty unless the groom asks for it.
+    pub roots: Vec<SurfacePoint>,
 }
 
 /// The skin of a tract that carries down.
@@ -72,15 +74,15 @@ const BEFORE: f32 = 0.25;
 /// Area of a feather over that of its card.
 const VANE_SHARE: f32 = 0.7;
 
-/// Measures the cover of every tract: each feather's area goes to the triangles that it lies over, row by row.
+/// Measures the cover of every tract: each feather's area goes to the triangles that it lies over, step by step along its shaft.
 fn measure_cover(skin: &SkinMesh, leaves: &[Leaf], down: &mut [DownTract]) {
     if down.is_empty() {
         return;
     }
     let mut covered = vec![0.0_f32; skin.triangles.len()];
     for leaf in leaves {
-        let rows = leaf.shaft.points.len().max(1) as f32;
-        let share = VANE_SHARE * leaf.card.length * leaf.card.width / rows;
+        let steps = leaf.shaft.points.len().max(1) as f32;
+        let share = VANE_SHARE * leaf.card.length * leaf.card.width / steps;
         for below in &leaf.shaft.below {
             covered[below.triangle as usize] += share;
         }
@@ -148,6 +150,11 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
             .iter()
             .map(|name| format!("{}: the skin has no joint {name:?}", groom.name)),
     );
+    let roots = if groom.takes_skin_color() {
+        leaves.iter().map(|leaf| skin_root(skin, leaf)).collect()
+    } else {
+        Vec::new()
+    };
     let (mesh, geometry) = build_mesh(&mut leaves, skinned);
     let cards = leaves.iter().map(|leaf| leaf.card).collect();
     Ok(Coat {
@@ -158,7 +165,19 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
         warnings,
         crossings,
         down,
+        roots,
     })
+}
+
+/// The place of the skin that a feather grows from.
+fn skin_root(skin: &SkinMesh, leaf: &Leaf) -> SurfacePoint {
+    let below = leaf.shaft.below.first().copied();
+    below
+        .or_else(|| skin.nearest(leaf.card.root, leaf.card.normal))
+        .unwrap_or(SurfacePoint {
+            triangle: 0,
+            bary: Vec3::X,
+        })
 }
 
 /// Presses the feathers over each other in the poses that the groom says are worn, or in bind pose.

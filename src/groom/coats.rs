@@ -9,7 +9,7 @@ use super::{
     error::GroomError,
     layer::Crossings,
     rows::FanJoint,
-    skin::SkinMesh,
+    skin::{SkinMesh, SurfacePoint},
 };
 use bevy::{
     asset::{AssetId, Assets, Handle},
@@ -48,6 +48,9 @@ pub(super) struct SharedCoat {
     pub triangles: u32,
     pub skin: Arc<SkinMesh>,
     pub down: Arc<[DownTract]>,
+    /// Where each card takes the skin's color, and for each region and row the share of it; empty unless the groom asks for it.
+    pub roots: Arc<[SurfacePoint]>,
+    pub shares: Arc<[f32]>,
     pub crossings: Crossings,
     pub milliseconds: f32,
 }
@@ -58,6 +61,7 @@ impl SharedCoat {
             coat,
             skin,
             regions,
+            shares,
         } = groomed;
         coat.warnings.iter().for_each(|warning| warn!("{warning}"));
         info!(
@@ -76,6 +80,8 @@ impl SharedCoat {
             fans: coat.fans.into(),
             skin: Arc::new(skin),
             down: coat.down.into(),
+            roots: coat.roots.into(),
+            shares: shares.into(),
             crossings: coat.crossings,
             milliseconds,
         }
@@ -87,6 +93,7 @@ struct Groomed {
     coat: Coat,
     skin: SkinMesh,
     regions: Vec<CardRegion>,
+    shares: Vec<f32>,
 }
 
 enum Entry {
@@ -124,6 +131,7 @@ impl Coats {
                     coat: groom_bird(&bird, &groom, of.seed, f32::from_bits(of.density))?,
                     skin: bird.skin,
                     regions: CardRegion::of(&groom),
+                    shares: groom.shares().collect(),
                 })
             });
             (groomed, begun.elapsed().as_secs_f32() * 1.0e3)

@@ -4,7 +4,7 @@ use super::{
     asset::Groom,
     build::DownTract,
     card::{Card, CardGeometry},
-    skin::SkinMesh,
+    skin::{SkinMesh, SurfacePoint},
 };
 use crate::{anatomy::Feather, parameter::Parameter};
 use bevy::{
@@ -212,6 +212,21 @@ pub struct DownTracts {
     pub skin: Arc<SkinMesh>,
     /// Tracts with down.
     pub tracts: Arc<[DownTract]>,
+}
+
+/// On the card mesh of a bird whose groom takes colors from the skin: what they are looked up by.
+#[derive(Component, Clone, Debug)]
+pub struct SkinColors {
+    /// The skin.
+    pub skin: Arc<SkinMesh>,
+    /// The meshes that it was taken from, in its order.
+    pub meshes: Vec<Entity>,
+    /// The cards in the groom's own colors.
+    pub cards: Arc<[Card]>,
+    /// Root of each card on the skin.
+    pub roots: Arc<[SurfacePoint]>,
+    /// Share of the skin's color, for each region, then for each row.
+    pub shares: Arc<[f32]>,
 }
 
 /// A mesh on which nothing grows, on or below an entity with a [`Plumage`] or an undercoat: harness, jesses, a rider.

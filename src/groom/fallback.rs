@@ -40,8 +40,8 @@ impl Groom {
     /// A groom for any skin, which a [`super::Plumage`] without a groom of its own gets. `joints` are the names of the skin's joints.
     ///
     /// Regions are taken from the first of these that the mesh has: tract numbers (a second set of texture coordinates whose x
-    /// are whole numbers), vertex colors (2 to 48 of them; they also tint the feathers), joints with names of their own, or nothing:
-    /// one region. What none of them takes is a region too. Feathers are 0.04 of the mesh's diagonal long, shorter on small regions
+    /// are whole numbers), vertex colors (2 to 48 of them), joints with names of their own, or nothing: one region. Feathers take their
+    /// colors from the skin (`skin_color`); the tint is that of the vertex colors, if there are any. What none of them takes is a region too. Feathers are 0.04 of the mesh's diagonal long, shorter on small regions
     /// (thin limbs), about five layers deep, at most 12,000; they lie towards -z and -y (glTF: backwards and down).
     pub fn fallback(skin: &SkinMesh, joints: &[String]) -> Self {
         let corners = || {
@@ -85,6 +85,7 @@ impl Groom {
                 layer: 1.0,
                 segments: Segments::new(4, 2),
                 tint: Tint(part.color, part.color),
+                skin_color: 1.0,
                 ..Region::new(part.name)
             }
         };

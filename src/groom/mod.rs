@@ -48,7 +48,7 @@ pub use build::{Bird, Coat, DownTract, groom_bird};
 pub use card::{Card, CardGeometry};
 pub use component::{
     CardRegion, DownTracts, FeathersOf, NotSkin, Plumage, PlumageCards, PlumageFailed,
-    PlumageParts, PlumageReady, PlumageState, PlumageSystems,
+    PlumageParts, PlumageReady, PlumageState, PlumageSystems, SkinColors,
 };
 pub use error::GroomError;
 pub use fan::{FanJoints, fan_rows, fan_transform};
@@ -59,4 +59,4 @@ pub use nearest::PointTree;
 pub use plumage::GroomPlugin;
 pub use pose::{JointPose, KeyPose};
 pub use rows::FanJoint;
-pub use skin::SkinMesh;
+pub use skin::{SkinMesh, SurfacePoint};

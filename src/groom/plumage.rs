@@ -5,13 +5,13 @@ use super::{
     coats::{CoatKey, Coats, SharedCoat},
     component::{
         DownTracts, FeathersOf, NotSkin, Plumage, PlumageCards, PlumageFailed, PlumageParts,
-        PlumageReady, PlumageState, PlumageSystems,
+        PlumageReady, PlumageState, PlumageSystems, SkinColors,
     },
     fan::{FanJoints, fan_rows},
     skin_meshes::{SkinMeshes, SkinTarget},
 };
 use crate::{
-    anatomy::{Down, Feather, contour},
+    anatomy::{Feather, contour},
     asset::{AssetLink, RonLoader},
     modified::modified,
 };
@@ -38,17 +38,14 @@ struct GroomJob {
     waits: Option<(SkinTarget, CoatKey)>,
 }
 
-/// Loads groom assets and grooms every entity with a [`Plumage`]. One of the `PlumagePlugins`.
+/// Loads groom assets and grooms every entity with a [`Plumage`]. One of the `PlumagePlugins`; needs
+/// [`AnatomyPlugin`](crate::anatomy::AnatomyPlugin) and Bevy's `MeshPlugin` before it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct GroomPlugin;
 
 impl Plugin for GroomPlugin {
     fn build(&self, app: &mut App) {
         app.init_asset::<Groom>()
-            .init_asset::<Feather>()
-            .init_asset::<Down>()
-            .init_asset::<Mesh>()
-            .init_asset::<SkinnedMeshInverseBindposes>()
             .init_asset_loader::<RonLoader<Groom>>()
             .register_asset_reflect::<Groom>()
             .register_type::<Groom>()
@@ -290,6 +287,15 @@ fn spawn_cards(
         Name::new("Plumage"),
     );
     let output = commands.spawn((common, ChildOf(target.mesh))).id();
+    if !coat.roots.is_empty() {
+        commands.entity(output).insert(SkinColors {
+            skin: coat.skin.clone(),
+            meshes: target.meshes.clone(),
+            cards: coat.cards.clone(),
+            roots: coat.roots,
+            shares: coat.shares,
+        });
+    }
     if !coat.down.is_empty() {
         commands.entity(output).insert(DownTracts {
             skin: coat.skin,

@@ -134,6 +134,16 @@ impl RowContext<'_> {
             .collect()
     }
 
+    /// The skin below each point of a shaft, as far as there is skin within a feather's width.
+    fn skin_below(&self, points: &[Vec3], normals: &[Vec3], width: f32) -> Vec<SurfacePoint> {
+        let below = points.iter().zip(normals).map_while(|(point, normal)| {
+            let below = self.skin.nearest(*point, *normal)?;
+            let distance = self.skin.position(below).distance(*point);
+            (distance <= width).then_some(below)
+        });
+        below.collect()
+    }
+
     /// Feathers and fan joints of one row, both sides. Joint names that the skin lacks are added to `missing`; such a root
     /// rides on the skin nearest to it.
     pub fn build(&self, row: &Row, missing: &mut Vec<String>) -> (Vec<Leaf>, Vec<FanJoint>) {
@@ -237,10 +247,10 @@ impl RowContext<'_> {
             Quat::from_mat3(&Mat3::from_cols(along.cross(normal), along, normal)).normalize();
         let segments = usize::from(row.segments.along).clamp(1, 64);
         let curl = row.curl.to_radians();
-        let points = (0..=segments)
+        let points: Vec<Vec3> = (0..=segments)
             .map(|i| root + arc(along, normal, curl, length, i as f32 / segments as f32))
             .collect();
-        let normals = (0..=segments)
+        let normals: Vec<Vec3> = (0..=segments)
             .map(|i| {
                 Quat::from_axis_angle(along.cross(normal), -curl * i as f32 / segments as f32)
                     * normal
@@ -273,13 +283,7 @@ impl RowContext<'_> {
                 false
             },
         };
-        let below = vec![
-            SurfacePoint {
-                triangle: 0,
-                bary: Vec3::X
-            };
-            segments + 1
-        ];
+        let below = self.skin_below(&points, &normals, width);
         let shaft = Shaft {
             heights: Vec::new(),
             points,

@@ -29,8 +29,12 @@ pub struct SkinMesh {
     pub positions: Vec<Vec3>,
     /// Tract number and phi of each vertex (`TEXCOORD_1`); empty if the mesh has none.
     pub tract_phi: Vec<[f32; 2]>,
-    /// Linear color of each vertex; empty if the mesh has none.
+    /// Linear color of each vertex, white on meshes without colors; empty if no mesh has any.
     pub colors: Vec<[f32; 3]>,
+    /// Texture coordinates of each vertex (`TEXCOORD_0`), 0 on meshes without any.
+    pub uvs: Vec<[f32; 2]>,
+    /// First vertex of each mesh that the skin was taken from.
+    pub first_vertices: Vec<u32>,
     /// Joints and weights of each vertex; empty if the mesh is not skinned.
     pub weights: Vec<Weights>,
     /// Triangles that have an area.
@@ -103,9 +107,9 @@ impl SkinMesh {
         let all_tracts = meshes
             .iter()
             .all(|mesh| floats::<2>(mesh, Mesh::ATTRIBUTE_UV_1).is_some());
-        let all_colors = meshes
+        let any_colors = meshes
             .iter()
-            .all(|mesh| floats::<3>(mesh, Mesh::ATTRIBUTE_COLOR).is_some());
+            .any(|mesh| floats::<3>(mesh, Mesh::ATTRIBUTE_COLOR).is_some());
         let mut triangles = Vec::new();
         let mut normal_sign = 0.0_f64;
         for (number, mesh) in meshes.iter().enumerate() {
@@ -128,10 +132,15 @@ impl SkinMesh {
                 skin.tract_phi
                     .extend((0..count).map(|i| values.get(i).copied().unwrap_or_default()));
             }
-            if all_colors && let Some(values) = floats::<3>(mesh, Mesh::ATTRIBUTE_COLOR) {
+            if any_colors {
+                let values = floats::<3>(mesh, Mesh::ATTRIBUTE_COLOR).unwrap_or_default();
                 skin.colors
-                    .extend((0..count).map(|i| values.get(i).copied().unwrap_or_default()));
+                    .extend((0..count).map(|i| values.get(i).copied().unwrap_or([1.0; 3])));
             }
+            let uvs = floats::<2>(mesh, Mesh::ATTRIBUTE_UV_0).unwrap_or_default();
+            skin.uvs
+                .extend((0..count).map(|i| uvs.get(i).copied().unwrap_or_default()));
+            skin.first_vertices.push(base);
             let map = joint_maps.get(number).map_or(&[][..], Vec::as_slice);
             skin.weights.extend(vertex_weights(mesh, count, map));
             let list: Vec<u32> = match mesh.try_indices_option() {
@@ -315,6 +324,30 @@ impl SkinMesh {
         } else {
             0.0
         })
+    }
+
+    /// Number of the mesh that a triangle comes from.
+    pub fn mesh_of(&self, triangle: u32) -> usize {
+        let vertex = self.triangles[triangle as usize][0];
+        let before = self
+            .first_vertices
+            .partition_point(|&first| first <= vertex);
+        before.saturating_sub(1)
+    }
+
+    /// The place of the skin nearest to a point in space, on the face that turns the way `normal` does: that of a node and
+    /// what is downhill from it.
+    pub fn nearest(&self, point: Vec3, normal: Vec3) -> Option<SurfacePoint> {
+        // The other face of a thin sheet counts as four times as far.
+        let distance = |node: usize| {
+            let facing = self.normals[node].dot(normal);
+            self.nodes[node].distance_squared(point) * (2.5 - 1.5 * facing).powi(2)
+        };
+        let near = (0..self.nodes.len())
+            .filter(|&node| !self.triangles_around(node).is_empty())
+            .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
+        let start = self.triangles_around(near).first()?;
+        Some(self.walk(*start, point))
     }
 
     /// Joint weights at a point: the four strongest of its triangle.

@@ -12,10 +12,48 @@ use bevy::{
     platform::collections::HashMap,
 };
 
+/// Words in the name of a mesh or of its material that stand for parts without feathers.
+const BARE_PARTS: [&str; 20] = [
+    "beak", "bill", "cere", "claw", "cornea", "eye", "eyeball", "eyelid", "feet", "foot", "iris",
+    "leg", "mouth", "nail", "pupil", "talon", "teeth", "toe", "tongue", "tooth",
+];
+
+/// Whether a name has one of these words in it, in the singular or the plural.
+fn is_bare_part(name: &str) -> bool {
+    let mut words = vec![String::new()];
+    let mut lower_before = false;
+    for c in name.chars() {
+        // `LeftEye`, `left_eye`, `Left Eye.001`.
+        if !c.is_alphabetic() || (c.is_uppercase() && lower_before) {
+            words.push(String::new());
+        }
+        lower_before = c.is_lowercase();
+        if c.is_alphabetic()
+            && let Some(word) = words.last_mut()
+        {
+            word.extend(c.to_lowercase());
+        }
+    }
+    let bare = |word: &str| BARE_PARTS.contains(&word);
+    words
+        .iter()
+        .any(|word| bare(word) || word.strip_suffix('s').is_some_and(bare))
+}
+
+/// A mesh, and its skeleton if it has one.
+type Found<'m> = (
+    Entity,
+    &'m Mesh,
+    Option<(&'m SkinnedMesh, &'m SkinnedMeshInverseBindposes)>,
+);
+
 /// The skin chosen, and its skeleton.
 #[derive(Clone)]
 pub(super) struct SkinTarget {
+    /// What the cards hang on.
     pub mesh: Entity,
+    /// Every mesh of the skin.
+    pub meshes: Vec<Entity>,
     pub joints: Vec<Entity>,
     pub inverse_bind: Vec<Mat4>,
 }
@@ -27,7 +65,11 @@ pub(super) struct SkinMeshes<'w, 's> {
     meshes: Query<
         'w,
         's,
-        (&'static Mesh3d, Option<&'static SkinnedMesh>),
+        (
+            &'static Mesh3d,
+            Option<&'static SkinnedMesh>,
+            Option<&'static ChildOf>,
+        ),
         (Without<PlumageCards>, Without<NotSkin>),
     >,
     names: Query<'w, 's, &'static Name>,
@@ -47,9 +89,9 @@ pub(super) struct SkinInput {
 impl SkinMeshes<'_, '_> {
     /// The skin, once every mesh below the entity is loaded.
     pub(super) fn find(&self, owner: Entity) -> Option<(SkinTarget, SkinInput)> {
-        let mut found = Vec::new();
+        let mut found: Vec<Found> = Vec::new();
         for entity in std::iter::once(owner).chain(self.children.iter_descendants(owner)) {
-            let Ok((handle, skin)) = self.meshes.get(entity) else {
+            let Ok((handle, skin, _)) = self.meshes.get(entity) else {
                 continue;
             };
             let mesh = self.assets.get(&handle.0)?;
@@ -65,22 +107,15 @@ impl SkinMeshes<'_, '_> {
             mesh.try_attribute_option(Mesh::ATTRIBUTE_UV_1)
                 .is_ok_and(|values| values.is_some())
         };
-        let vertices = |mesh: &Mesh| {
-            mesh.try_attribute(Mesh::ATTRIBUTE_POSITION)
-                .map_or(0, |values| values.len())
-        };
         if any_skinned && found.iter().any(|(_, mesh, _)| has_tracts(mesh)) {
             found.retain(|(_, mesh, _)| has_tracts(mesh));
         } else {
-            let largest = found.iter().map(|(_, mesh, _)| vertices(mesh)).max()?;
-            let first = found
-                .iter()
-                .position(|(_, mesh, _)| vertices(mesh) == largest)?;
-            found = vec![found.swap_remove(first)];
+            found = self.largest_body(found)?;
         }
         let mesh = found.first()?.0;
         let mut target = SkinTarget {
             mesh,
+            meshes: found.iter().map(|(entity, _, _)| *entity).collect(),
             joints: Vec::new(),
             inverse_bind: Vec::new(),
         };
@@ -108,7 +143,7 @@ impl SkinMeshes<'_, '_> {
         let ids = found
             .iter()
             .filter_map(|(entity, _, _)| self.meshes.get(*entity).ok());
-        let meshes = ids.map(|(handle, _)| handle.id()).collect();
+        let meshes = ids.map(|(handle, _, _)| handle.id()).collect();
         Some((
             target,
             SkinInput {
@@ -117,6 +152,38 @@ impl SkinMeshes<'_, '_> {
                 joints,
             },
         ))
+    }
+
+    /// The mesh with the most vertices first, then those that are of one body with it: carried by the same joints in the same bind
+    /// pose, or primitives of the same glTF node where nothing is skinned. Without what is named like a bare part.
+    fn largest_body<'m>(&self, mut found: Vec<Found<'m>>) -> Option<Vec<Found<'m>>> {
+        let bare = |(entity, _, _): &Found| {
+            let name = self.names.get(*entity);
+            name.is_ok_and(|name| is_bare_part(name.as_str()))
+        };
+        if !found.iter().all(bare) {
+            found.retain(|part| !bare(part));
+        }
+        let vertices = |mesh: &Mesh| {
+            mesh.try_attribute(Mesh::ATTRIBUTE_POSITION)
+                .map_or(0, |values| values.len())
+        };
+        let largest = found.iter().map(|(_, mesh, _)| vertices(mesh)).max()?;
+        let first = found
+            .iter()
+            .position(|(_, mesh, _)| vertices(mesh) == largest)?;
+        let body = found.remove(first);
+        let parent = |entity: Entity| Some(self.meshes.get(entity).ok()?.2?.parent());
+        let of_body = |(entity, _, bind): &Found| match (&body.2, bind) {
+            (Some((skin, pose)), Some((other, other_pose))) => {
+                skin.joints == other.joints && pose.to_vec() == other_pose.to_vec()
+            }
+            (None, None) => parent(body.0).is_some() && parent(body.0) == parent(*entity),
+            _ => false,
+        };
+        found.retain(of_body);
+        found.insert(0, body);
+        Some(found)
     }
 
     /// Copies for a worker thread.

@@ -149,6 +149,7 @@ impl From<Region> for asset::Region {
             layer: old.layer,
             segments: Segments::new(old.segments.0, old.segments.1),
             tint: old.tint,
+            skin_color: 0.0,
             jitter: old.jitter,
             down: old.down.map(Into::into),
         }
@@ -190,6 +191,7 @@ impl From<Row> for asset::Row {
             offset: old.offset,
             segments: Segments::new(old.segments.0, old.segments.1),
             tint: old.tint,
+            skin_color: 0.0,
             jitter: old.jitter,
         }
     }
