@@ -2,7 +2,7 @@
 
 use super::{
     carried::{Block, Carried},
-    grid::PointGrid,
+    columns::Columns,
     leaf::Leaf,
 };
 use bevy::{
@@ -90,12 +90,18 @@ fn at(spot: &Spot, points: &[Vec3]) -> Vec3 {
     })
 }
 
-struct Sample {
-    leaf: u32,
-    spot: Spot,
+/// A place on a feather as others see it.
+#[derive(Clone, Copy)]
+struct Seen {
     place: Vec3,
     normal: Vec3,
+    leaf: u32,
     along: f32,
+}
+
+struct Sample {
+    seen: Seen,
+    spot: Spot,
 }
 
 /// How a whole feather stands.
@@ -114,7 +120,7 @@ pub struct Finder<'a> {
     heights: &'a [f32],
     samples: Vec<Sample>,
     stands: Vec<Stand>,
-    grid: PointGrid,
+    around: Columns<Seen>,
     median: f32,
 }
 
@@ -176,18 +182,20 @@ impl<'a> Finder<'a> {
                 };
                 for x in list {
                     let spot = block.spot(x * wide, v);
-                    samples.push(Sample {
-                        leaf: number as u32,
-                        spot,
+                    let seen = Seen {
                         place: at(&spot, &points),
                         normal,
+                        leaf: number as u32,
                         along: v,
-                    });
+                    };
+                    samples.push(Sample { seen, spot });
                 }
             }
         }
-        let places: Vec<Vec3> = samples.iter().map(|sample| sample.place).collect();
-        let grid = PointGrid::of(&places, 0.5 * carried.median);
+        let seen = samples
+            .iter()
+            .map(|sample| (sample.seen.place, sample.seen));
+        let around = Columns::new(seen, 0.5 * carried.median);
         Self {
             leaves,
             blocks,
@@ -195,7 +203,7 @@ impl<'a> Finder<'a> {
             heights,
             samples,
             stands,
-            grid,
+            around,
             median: carried.median,
         }
     }
@@ -249,7 +257,13 @@ impl<'a> Finder<'a> {
         scratch: &mut Scratch,
         contacts: &mut Vec<Contact>,
     ) {
-        let own = &self.leaves[sample.leaf as usize].card;
+        let Seen {
+            place,
+            normal,
+            leaf,
+            ..
+        } = sample.seen;
+        let own = &self.leaves[leaf as usize].card;
         let radius = 0.5 * own.width.max(0.6 * self.median);
         let Scratch {
             slots,
@@ -258,47 +272,48 @@ impl<'a> Finder<'a> {
         } = scratch;
         near.clear();
         behind.clear();
-        self.grid.near(sample.place, radius, |j| {
-            let other = &self.samples[j as usize];
-            let distance = other.place.distance_squared(sample.place);
-            let facing = other.normal.dot(sample.normal);
-            if other.leaf == sample.leaf
-                || distance > radius * radius
-                || (facing < FACING && facing > BACK)
-            {
-                return;
-            }
-            let list = if facing > 0.0 {
-                &mut *near
-            } else {
-                &mut *behind
-            };
-            let slot = &mut slots[other.leaf as usize];
-            let found = Near {
-                leaf: other.leaf,
-                distance,
-                along: other.along,
-            };
-            match list.get_mut(slot.1 as usize) {
-                Some(entry) if slot.0 == mark && entry.leaf == other.leaf => {
-                    if distance < entry.distance {
-                        *entry = found;
-                    }
+        self.around.near(place, radius, |run| {
+            for other in run {
+                let distance = other.place.distance_squared(place);
+                if distance > radius * radius || other.leaf == leaf {
+                    continue;
                 }
-                _ => {
-                    *slot = (mark, list.len() as u32);
-                    list.push(found);
+                let facing = other.normal.dot(normal);
+                if facing < FACING && facing > BACK {
+                    continue;
+                }
+                let list = if facing > 0.0 {
+                    &mut *near
+                } else {
+                    &mut *behind
+                };
+                let slot = &mut slots[other.leaf as usize];
+                let found = Near {
+                    leaf: other.leaf,
+                    distance,
+                    along: other.along,
+                };
+                match list.get_mut(slot.1 as usize) {
+                    Some(entry) if slot.0 == mark && entry.leaf == other.leaf => {
+                        if distance < entry.distance {
+                            *entry = found;
+                        }
+                    }
+                    _ => {
+                        *slot = (mark, list.len() as u32);
+                        list.push(found);
+                    }
                 }
             }
         });
-        behind.retain(|other| self.back_to_back(sample.leaf, other.leaf));
+        behind.retain(|other| self.back_to_back(leaf, other.leaf));
         behind.sort_unstable_by(|a, b| {
             let distance = a.distance.total_cmp(&b.distance);
             distance.then(a.leaf.cmp(&b.leaf))
         });
         for other in behind.iter().take(BEHIND) {
             let width = own.width.min(self.leaves[other.leaf as usize].card.width);
-            let Some((spot, height)) = self.over(sample, -sample.normal, other, width) else {
+            let Some((spot, height)) = self.over(place, -normal, other, width) else {
                 continue;
             };
             let raised = raise(&sample.spot, self.heights) + raise(&spot, self.heights);
@@ -310,7 +325,7 @@ impl<'a> Finder<'a> {
                 sign: 1.0,
             });
         }
-        near.retain(|other| self.related(sample.leaf, other.leaf));
+        near.retain(|other| self.related(leaf, other.leaf));
         // What lies right above and right below passes the order on to the rest.
         let apart = |other: &Near| (self.leaves[other.leaf as usize].card.layer - own.layer).abs();
         near.sort_unstable_by(|a, b| apart(a).total_cmp(&apart(b)).then(a.leaf.cmp(&b.leaf)));
@@ -321,7 +336,7 @@ impl<'a> Finder<'a> {
             }
             let card = &self.leaves[other.leaf as usize].card;
             let width = own.width.min(card.width);
-            let Some((spot, height)) = self.over(sample, sample.normal, other, width) else {
+            let Some((spot, height)) = self.over(place, normal, other, width) else {
                 continue;
             };
             found += 1;
@@ -340,8 +355,8 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// Where on a feather a sample projects to, and its height over it. `normal`: the way that the feather must face.
-    fn over(&self, sample: &Sample, normal: Vec3, other: &Near, width: f32) -> Option<(Spot, f32)> {
+    /// Where on a feather a place projects to, and its height over it. `normal`: the way that the feather must face.
+    fn over(&self, place: Vec3, normal: Vec3, other: &Near, width: f32) -> Option<(Spot, f32)> {
         let block = &self.blocks[other.leaf as usize];
         let reach = REACH * width;
         let last = block.rows - 1;
@@ -351,13 +366,15 @@ impl<'a> Finder<'a> {
         let mut best: Option<(Spot, f32)> = None;
         for i in from..to {
             for j in 0..block.wide - 1 {
-                let [a, b, c, d] = [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)]
-                    .map(|(i, j)| block.vertex(i, j));
+                let (a, b) = (block.vertex(i, j), block.vertex(i, j + 1));
+                let (c, d) = (block.vertex(i + 1, j + 1), block.vertex(i + 1, j));
                 for corners in [[a, b, c], [a, c, d]] {
-                    let [p, q, r] = corners.map(|k| self.points[k as usize]);
+                    let p = self.points[corners[0] as usize];
+                    let q = self.points[corners[1] as usize];
+                    let r = self.points[corners[2] as usize];
                     let cross = (q - p).cross(r - p);
                     let area = cross.length_squared();
-                    let delta = sample.place - p;
+                    let delta = place - p;
                     let lift = delta.dot(cross);
                     if area < 1.0e-30
                         || lift * lift > reach * reach * area
@@ -365,7 +382,7 @@ impl<'a> Finder<'a> {
                     {
                         continue;
                     }
-                    let v = (p - r).cross(sample.place - r).dot(cross) / area;
+                    let v = (p - r).cross(place - r).dot(cross) / area;
                     let w = (q - p).cross(delta).dot(cross) / area;
                     let u = 1.0 - v - w;
                     if u < 0.0 || v < 0.0 || w < 0.0 {

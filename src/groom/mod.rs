@@ -14,6 +14,7 @@ mod build;
 mod card;
 mod carried;
 mod coats;
+mod columns;
 mod component;
 mod contact;
 pub mod drape;
