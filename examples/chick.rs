@@ -49,7 +49,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
         args.quality(FeatherTransparency::default()),
         args.ruffle(),
     ));
-    commands.spawn(Perch(0.022, 0.8));
+    commands.spawn(Perch(0.022, 0.8, 0.024));
 }
 
 /// Makes the grown bird's groom that of a young one.

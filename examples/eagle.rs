@@ -10,7 +10,7 @@ use bevy_plumage::prelude::*;
 use helper::{
     Args,
     camera::{Shots, shot},
-    scene::{self, Perch},
+    scene,
 };
 
 const SHOTS: Shots = Shots {
@@ -39,5 +39,5 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
         args.quality(FeatherTransparency::default()),
         args.ruffle(),
     ));
-    commands.spawn(Perch(0.035, 1.5));
+    commands.spawn(scene::EAGLE_PERCH);
 }

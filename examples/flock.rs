@@ -40,7 +40,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
         let z = middle(row, ROWS);
         commands
             .spawn((Transform::from_xyz(0.0, 0.0, z), Visibility::default()))
-            .with_child(Perch(0.022, SPACING * BIRDS_PER_ROW as f32));
+            .with_child(Perch(0.022, SPACING * BIRDS_PER_ROW as f32, 0.024));
         for i in 0..BIRDS_PER_ROW {
             commands.spawn((
                 scene::bird(&assets, "parrot", 0.7 * (row * BIRDS_PER_ROW + i) as f32),

@@ -21,7 +21,7 @@ use helper::{
     Args,
     camera::{OffScreen, Shots, shot},
     help::Help,
-    scene::{self, Perch},
+    scene,
 };
 
 /// Height of the bird's picture with `--lean`.
@@ -108,7 +108,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
         args.quality(FeatherTransparency::default()),
         args.ruffle(),
     ));
-    commands.spawn(Perch(0.022, 1.5));
+    commands.spawn(scene::PARROT_PERCH);
 }
 
 /// The camera that draws the bird into a picture, with `--lean`.

@@ -1,4 +1,5 @@
-//! Two scarlet-macaw-like parrots on a branch, about 6,250 feathers together (the scene of Chen et al. 2026, Fig. 1).
+//! Two scarlet-macaw-like parrots on a branch (the scene of Chen et al. 2026, Fig. 1); with `--scene studio` about as many feathers,
+//! 6,250.
 //!
 //! `cargo run --example parrot -- --camera closeup --time 2.9`; `--help` lists all options, F1 the keys.
 
@@ -8,8 +9,9 @@ use bevy::prelude::*;
 use bevy_plumage::prelude::*;
 use helper::{
     Args,
+    args::Scene,
     camera::{Shots, shot},
-    scene::{self, Perch},
+    scene,
 };
 
 const SHOTS: Shots = Shots {
@@ -31,6 +33,11 @@ fn main() -> AppExit {
 
 fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
     let groom = assets.load("grooms/parrot.groom.ron");
+    // In the studio as many feathers as the paper's scene has.
+    let density = match args.scene {
+        Some(Scene::Studio) => 0.5,
+        _ => 1.0,
+    };
     // Position along the branch, metres; turn to the other bird, radians; start of the idle clip, seconds.
     let birds = [(-0.17, 0.25, 0.0), (0.17, -0.2, 1.3)];
     for (i, (x, turn, phase)) in birds.into_iter().enumerate() {
@@ -38,11 +45,11 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
             scene::bird(&assets, "parrot", phase),
             Plumage::new(groom.clone())
                 .with_seed(args.seed + i as u64)
-                .with_density(args.density.unwrap_or(0.5)),
+                .with_density(args.density.unwrap_or(density)),
             args.quality(FeatherTransparency::default()),
             args.ruffle(),
             Transform::from_xyz(x, 0.0, 0.0).with_rotation(Quat::from_rotation_y(turn)),
         ));
     }
-    commands.spawn(Perch(0.022, 1.5));
+    commands.spawn(scene::PARROT_PERCH);
 }

@@ -9,7 +9,7 @@ use bevy_plumage::prelude::*;
 use helper::{
     Args,
     camera::{Shots, shot},
-    scene::{self, Perch},
+    scene,
 };
 
 /// Time in which the wind turns around the bird, seconds.
@@ -52,7 +52,7 @@ fn setup(
         args.quality(FeatherTransparency::default()),
         args.ruffle(),
     ));
-    commands.spawn(Perch(0.022, 1.5));
+    commands.spawn(scene::PARROT_PERCH);
 }
 
 /// Begins with a wind from the front.

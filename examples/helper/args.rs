@@ -28,6 +28,17 @@ pub enum Shot {
     Orbit,
 }
 
+/// Light and surroundings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Scene {
+    /// One sun under an even sky.
+    Studio,
+    /// A branch at the edge of a wood.
+    Forest,
+    /// A branch before a misty cliff in the morning.
+    Cliff,
+}
+
 /// What fur consists of; the alternatives that the hybrid fur paper compares.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum FurMode {
@@ -129,6 +140,9 @@ pub struct Args {
     )]
     pub tilt: f32,
 
+    /// Light and surroundings; the example's choice when absent. Measurements are made in the studio.
+    #[arg(long, value_enum, help_heading = "Scene")]
+    pub scene: Option<Scene>,
     /// Freeze the animation at this time, seconds.
     #[arg(long, help_heading = "Scene")]
     pub time: Option<f32>,
@@ -181,6 +195,10 @@ pub struct Args {
     /// Frames to render once everything is loaded.
     #[arg(long, default_value_t = 2, help_heading = "Off screen")]
     pub frames: u32,
+    /// Average this many frames, each from another place in the pixel, on the lens and on the sun: a picture without noise. The
+    /// animation stands still.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536), help_heading = "Off screen")]
+    pub accumulate: Option<u32>,
     /// Statistics to write, as JSON.
     #[arg(long, help_heading = "Off screen")]
     pub stats: Option<PathBuf>,
@@ -252,6 +270,11 @@ impl Args {
             amount: self.ruffle,
             ..default()
         }
+    }
+
+    /// The time at which the animation stands still, seconds.
+    pub fn frozen(&self) -> Option<f32> {
+        self.time.or(self.accumulate.map(|_| 0.0))
     }
 
     /// Samples of the camera: none for the transparency modes that do without.

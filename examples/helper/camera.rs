@@ -1,6 +1,6 @@
 //! The camera of the examples and its shots.
 
-use super::{Args, Shot, scene::Sky};
+use super::{Args, Shot, backdrop, scene::Sky, setting::Setting};
 use bevy::{
     camera::{Exposure, Hdr, RenderTarget},
     core_pipeline::oit::OrderIndependentTransparencySettings,
@@ -82,7 +82,7 @@ pub struct CameraPlugin;
 impl Plugin for CameraPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Sky>()
-            .add_systems(Startup, spawn_camera)
+            .add_systems(Startup, (spawn_camera, backdrop::hang).chain())
             .add_systems(Update, circle);
     }
 }
@@ -119,6 +119,7 @@ fn spawn_camera(
     args: Res<Args>,
     shots: Res<Shots>,
     sky: Res<Sky>,
+    setting: Res<Setting>,
     off_screen: Option<Res<OffScreen>>,
 ) {
     let framing = shots.framing(args.camera);
@@ -126,13 +127,14 @@ fn spawn_camera(
         Camera3d::default(),
         Hdr,
         args.msaa(),
-        Exposure { ev100: 11.4 },
+        Exposure {
+            ev100: setting.ev100,
+        },
         place(framing, &args),
         Orbit {
             target: framing.target,
         },
-        // Against the light it is evening: the rim is brighter than the sky.
-        sky.bundle(if args.backlight { 0.1 } else { 1.0 }),
+        sky.bundle(&setting),
     ));
     if args.transparency == Some(FeatherTransparency::OrderIndependent) {
         camera.insert(OrderIndependentTransparencySettings::default());

@@ -2,21 +2,31 @@
 
 use super::{
     Args,
-    camera::OffScreen,
+    accumulate::{self, Sum},
+    camera::{OffScreen, Orbit},
     growth::{FailedFiles, Growth},
+    setting::Setting,
+    sky::from_half,
     stats,
+    tone::develop,
 };
 use bevy::{
     app::PluginsState,
+    core_pipeline::tonemapping::Tonemapping,
     light::DirectionalLightShadowMap,
     prelude::*,
     render::{
+        camera::TemporalJitter,
         render_resource::{PollType, TextureFormat, TextureUsages},
         renderer::{RenderAdapterInfo, RenderDevice},
-        view::screenshot::{Screenshot, ScreenshotCaptured},
+        view::{
+            ColorGrading,
+            screenshot::{Screenshot, ScreenshotCaptured},
+        },
     },
 };
 use std::{
+    collections::BTreeMap,
     path::{Path, PathBuf},
     sync::{Arc, Mutex},
     time::{Duration, Instant},
@@ -60,7 +70,11 @@ fn picture(app: &mut App, name: &str, args: &Args) -> Result<(), String> {
     }
     app.finish();
     app.cleanup();
-    let image = target(app, args.size);
+    let format = match args.accumulate {
+        Some(_) => TextureFormat::Rgba16Float,
+        None => TextureFormat::Rgba8UnormSrgb,
+    };
+    let image = target(app, args.size, format);
     app.insert_resource(OffScreen(image.clone()));
     let adapter = app.world().resource::<RenderAdapterInfo>();
     println!("{name}: off screen, on {}", adapter.name);
@@ -89,8 +103,11 @@ fn picture(app: &mut App, name: &str, args: &Args) -> Result<(), String> {
     }
     let default = PathBuf::from(format!("{name}.png"));
     let output = args.output.as_ref().unwrap_or(&default);
-    capture(app, image)?
-        .to_rgb8()
+    let picture = match args.accumulate {
+        Some(count) => average(app, &image, name, args, count)?,
+        None => capture(app, image)?.to_rgb8(),
+    };
+    picture
         .save(output)
         .map_err(|error| format!("{}: {error}", shown(output)))?;
     println!("{name}: wrote {}", shown(output));
@@ -123,8 +140,8 @@ fn shown(path: &Path) -> String {
         .to_string()
 }
 
-fn target(app: &mut App, (width, height): (u32, u32)) -> Handle<Image> {
-    let mut image = Image::new_target_texture(width, height, TextureFormat::Rgba8UnormSrgb, None);
+fn target(app: &mut App, (width, height): (u32, u32), format: TextureFormat) -> Handle<Image> {
+    let mut image = Image::new_target_texture(width, height, format, None);
     image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
     app.world_mut().resource_mut::<Assets<Image>>().add(image)
 }
@@ -204,4 +221,85 @@ pub fn capture(app: &mut App, image: Handle<Image>) -> Result<image::DynamicImag
         std::thread::sleep(Duration::from_millis(2));
     }
     Err("the picture did not come back from the GPU".into())
+}
+
+/// The mean of `count` frames, developed on the scene's film.
+fn average(
+    app: &mut App,
+    image: &Handle<Image>,
+    name: &str,
+    args: &Args,
+    count: u32,
+) -> Result<image::RgbImage, String> {
+    let setting = *app.world().resource::<Setting>();
+    let mut cameras = app
+        .world_mut()
+        .query_filtered::<(Entity, &Transform, &Orbit), With<Camera3d>>();
+    let Some((camera, place, target)) = cameras
+        .iter(app.world())
+        .map(|(camera, place, orbit)| (camera, *place, orbit.target))
+        .next()
+    else {
+        return Err("no camera".into());
+    };
+    let mut lights = app
+        .world_mut()
+        .query_filtered::<(Entity, &Transform), With<DirectionalLight>>();
+    let lights: Vec<(Entity, Transform)> = lights.iter(app.world()).map(|(e, t)| (e, *t)).collect();
+    app.world_mut()
+        .entity_mut(camera)
+        .insert(Tonemapping::None)
+        .remove::<ColorGrading>();
+    let arrived: Arc<Mutex<BTreeMap<u32, Image>>> = Arc::default();
+    let (mut sum, mut next, start) = (Sum::default(), 0, Instant::now());
+    // A frame comes back from the GPU while later ones are drawn; they are added in order, so that the sum is always the same.
+    let mut index = 0;
+    while next < count {
+        if index < count {
+            let at = accumulate::sample(args.seed, index);
+            let world = app.world_mut();
+            world.entity_mut(camera).insert((
+                TemporalJitter { offset: at.pixel },
+                accumulate::through_lens(place, target, setting.aperture * at.lens),
+            ));
+            for (light, place) in &lights {
+                world
+                    .entity_mut(*light)
+                    .insert(accumulate::on_disc(*place, at.sun));
+            }
+            let keep = arrived.clone();
+            world.spawn(Screenshot::image(image.clone())).observe(
+                move |shot: On<ScreenshotCaptured>| {
+                    if let Ok(mut images) = keep.lock() {
+                        images.insert(index, shot.image.clone());
+                    }
+                },
+            );
+            println!("{name}: sample {} of {count}", index + 1);
+        } else if start.elapsed() > CAPTURE_TIMEOUT + 2 * CAPTURE_TIMEOUT * count {
+            return Err("the picture did not come back from the GPU".into());
+        }
+        index += 1;
+        frame(app);
+        while let Some(image) = arrived.lock().ok().and_then(|mut all| all.remove(&next)) {
+            sum.add(linear(&image));
+            next += 1;
+        }
+    }
+    let bytes = sum.mean().flat_map(|color| {
+        let shown = develop(color, setting.tone, setting.saturation);
+        let shown = Color::linear_rgb(shown.x, shown.y, shown.z).to_srgba();
+        [shown.red, shown.green, shown.blue].map(|c| (c * 255.0).round() as u8)
+    });
+    let (width, height) = args.size;
+    image::RgbImage::from_raw(width, height, bytes.collect())
+        .ok_or_else(|| "the picture has another size".into())
+}
+
+/// Colors of an image of 16-bit floats.
+fn linear(image: &Image) -> impl Iterator<Item = Vec3> + '_ {
+    let bytes = image.data.as_deref().unwrap_or_default();
+    bytes.chunks_exact(8).map(|pixel| {
+        Vec3::from_array([0, 2, 4].map(|i| from_half(u16::from_le_bytes([pixel[i], pixel[i + 1]]))))
+    })
 }

@@ -3,7 +3,10 @@
 //! An example hands [`run`] a function that adds `PlumagePlugins` and its own scene; everything about feathers stands in the example.
 #![allow(dead_code, reason = "every example uses its own part")]
 
+pub mod accumulate;
 pub mod args;
+pub mod backdrop;
+pub mod branch;
 pub mod camera;
 #[cfg(feature = "comparison")]
 #[cfg(feature = "comparison")]
@@ -12,9 +15,12 @@ pub mod controls;
 pub mod growth;
 pub mod headless;
 pub mod help;
+pub mod noise;
 pub mod scene;
+pub mod setting;
 pub mod sky;
 pub mod stats;
+pub mod tone;
 
 pub use args::{Args, Shot};
 
@@ -82,6 +88,7 @@ pub fn run(name: &'static str, scene: fn(&mut App)) -> AppExit {
         app.add_plugins((plugins, growth::GrowthPlugin(name)));
     }
     app.insert_resource(args.clone())
+        .insert_resource(setting::Setting::chosen(&args, name))
         .insert_resource(Wind::new(Vec3::new(-0.35, 0.1, -1.0), args.wind))
         .insert_resource(DefaultOpaqueRendererMethod::forward())
         .insert_resource(ClearColor(Color::srgb(0.72, 0.76, 0.80)))

@@ -1,11 +1,17 @@
 //! Light, background, and the bird on its perch.
 
-use super::{Args, sky};
+use super::{
+    Args,
+    branch::branch,
+    camera::Orbit,
+    setting::{Lamp, Setting},
+    sky,
+};
 use bevy::{
-    core_pipeline::tonemapping::Tonemapping,
     gltf::GltfAssetLabel,
-    light::{CascadeShadowConfigBuilder, EnvironmentMapLight, Skybox},
+    light::{CascadeShadowConfig, CascadeShadowConfigBuilder, EnvironmentMapLight, Skybox},
     prelude::*,
+    render::view::ColorGrading,
     world_serialization::{WorldAssetRoot, WorldInstanceReady},
 };
 use std::f32::consts::FRAC_PI_2;
@@ -15,7 +21,8 @@ pub struct ScenePlugin;
 
 impl Plugin for ScenePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Startup, spawn_light)
+        app.add_systems(Startup, spawn_lights)
+            .add_systems(PostUpdate, fit_shadows)
             .add_observer(grow_perch)
             .add_observer(start_idle);
     }
@@ -36,7 +43,7 @@ pub struct Sky {
 
 impl FromWorld for Sky {
     fn from_world(world: &mut World) -> Self {
-        let (specular, diffuse) = sky::maps();
+        let (specular, diffuse) = sky::maps(world.resource::<Setting>().radiance);
         let mut images = world.resource_mut::<Assets<Image>>();
         Self {
             specular: images.add(specular),
@@ -46,49 +53,84 @@ impl FromWorld for Sky {
 }
 
 impl Sky {
-    /// Components by which a camera sees the sky and what it lights; `brightness` relative to a day's.
-    pub fn bundle(&self, brightness: f32) -> impl Bundle {
+    /// Components by which a camera sees the sky and what it lights, on the scene's film.
+    pub fn bundle(&self, setting: &Setting) -> impl Bundle {
+        let mut grading = ColorGrading::default();
+        grading.global.post_saturation = setting.saturation;
         (
-            Tonemapping::AcesFitted,
+            setting.tone,
+            grading,
             EnvironmentMapLight {
                 diffuse_map: self.diffuse.clone(),
                 specular_map: self.specular.clone(),
-                intensity: 2100.0 * brightness,
+                intensity: setting.fill[0],
                 ..default()
             },
             Skybox {
                 image: Some(self.specular.clone()),
-                brightness: 2600.0 * brightness,
+                brightness: setting.fill[1],
                 ..default()
             },
         )
     }
 }
 
-fn spawn_light(mut commands: Commands, args: Res<Args>) {
-    let (sun, illuminance) = if args.backlight {
-        (Vec3::new(1.0, 0.9, -2.2), 60_000.0)
-    } else {
-        (Vec3::new(0.7, 1.9, 1.9), 23_000.0)
+/// Shadow maps that reach eight metres.
+fn wide_shadows() -> CascadeShadowConfig {
+    CascadeShadowConfigBuilder {
+        num_cascades: 2,
+        first_cascade_far_bound: 2.0,
+        maximum_distance: 8.0,
+        ..default()
+    }
+    .build()
+}
+
+/// Half the depth of what fitted shadow maps hold, metres: a bird with its branch.
+const REACH: f32 = 0.9;
+
+fn spawn_lights(mut commands: Commands, args: Res<Args>, setting: Res<Setting>) {
+    for Lamp { toward, lux, color } in [Some(setting.key), setting.rim].into_iter().flatten() {
+        let toward = Quat::from_rotation_y(args.sun.to_radians()) * toward;
+        let [red, green, blue] = color;
+        commands.spawn((
+            DirectionalLight {
+                illuminance: lux,
+                color: Color::srgb(red, green, blue),
+                shadow_maps_enabled: !args.lean,
+                shadow_normal_bias: 0.6,
+                ..default()
+            },
+            wide_shadows(),
+            Transform::from_translation(toward).looking_at(Vec3::ZERO, Vec3::Y),
+        ));
+    }
+}
+
+/// Shadow maps around the subject, so that feathers throw shadows, too; again when the camera comes nearer or goes away.
+fn fit_shadows(
+    setting: Res<Setting>,
+    cameras: Query<(&Transform, &Orbit)>,
+    mut lights: Query<&mut CascadeShadowConfig, With<DirectionalLight>>,
+    mut fitted: Local<f32>,
+) {
+    let Some((camera, orbit)) = cameras.iter().next() else {
+        return;
     };
-    let sun = Quat::from_rotation_y(args.sun.to_radians()) * sun;
-    commands.spawn((
-        DirectionalLight {
-            illuminance,
-            color: Color::srgb(1.0, 0.95, 0.87),
-            shadow_maps_enabled: !args.lean,
-            shadow_normal_bias: 0.6,
-            ..default()
-        },
-        CascadeShadowConfigBuilder {
-            num_cascades: 2,
-            first_cascade_far_bound: 2.0,
-            maximum_distance: 8.0,
+    let distance = camera.translation.distance(orbit.target);
+    if !setting.fitted_shadows || (distance - *fitted).abs() < 0.02 * distance {
+        return;
+    }
+    *fitted = distance;
+    for mut config in &mut lights {
+        *config = CascadeShadowConfigBuilder {
+            num_cascades: 1,
+            minimum_distance: (distance - REACH).max(0.01),
+            maximum_distance: distance + REACH,
             ..default()
         }
-        .build(),
-        Transform::from_translation(sun).looking_at(Vec3::ZERO, Vec3::Y),
-    ));
+        .build();
+    }
 }
 
 /// The model of a bird with its idle clip, begun at `phase` seconds: `assets/birds/NAME.glb`.
@@ -103,29 +145,47 @@ pub fn bird(assets: &AssetServer, name: &str, phase: f32) -> impl Bundle {
     )
 }
 
-/// A branch to sit on: along x, its upper side through the feet's origin; radius and length in metres.
+/// A branch to sit on, along x: radius, length, and the height of its upper side, in metres.
 #[derive(Component, Clone, Copy)]
 #[require(Transform, Visibility)]
-pub struct Perch(pub f32, pub f32);
+pub struct Perch(pub f32, pub f32, pub f32);
+
+/// What the parrot of `assets/birds` holds.
+pub const PARROT_PERCH: Perch = Perch(0.022, 1.5, 0.024);
+/// What the eagle holds.
+pub const EAGLE_PERCH: Perch = Perch(0.035, 1.7, 0.060);
 
 fn grow_perch(
     add: On<Add, Perch>,
     perches: Query<&Perch>,
+    setting: Res<Setting>,
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) -> Result {
-    let Perch(radius, length) = *perches.get(add.entity)?;
-    commands.entity(add.entity).insert((
-        Mesh3d(meshes.add(Capsule3d::new(radius, length))),
-        MeshMaterial3d(materials.add(StandardMaterial {
-            base_color: Color::srgb(0.33, 0.25, 0.17),
-            perceptual_roughness: 0.9,
-            ..default()
-        })),
-        Transform::from_translation(Vec3::NEG_Y * radius)
-            .with_rotation(Quat::from_rotation_z(FRAC_PI_2)),
-    ));
+    let Perch(radius, length, top) = *perches.get(add.entity)?;
+    let place = Transform::from_translation(Vec3::Y * (top - radius));
+    if setting.bark {
+        commands.entity(add.entity).insert((
+            Mesh3d(meshes.add(branch(radius, length))),
+            MeshMaterial3d(materials.add(StandardMaterial {
+                perceptual_roughness: 0.95,
+                reflectance: 0.2,
+                ..default()
+            })),
+            place,
+        ));
+    } else {
+        commands.entity(add.entity).insert((
+            Mesh3d(meshes.add(Capsule3d::new(radius, length))),
+            MeshMaterial3d(materials.add(StandardMaterial {
+                base_color: Color::srgb(0.33, 0.25, 0.17),
+                perceptual_roughness: 0.9,
+                ..default()
+            })),
+            place.with_rotation(Quat::from_rotation_z(FRAC_PI_2)),
+        ));
+    }
     Ok(())
 }
 
@@ -152,7 +212,7 @@ fn start_idle(
             .entity(entity)
             .insert(AnimationGraphHandle(graphs.add(graph)));
         let active = player.play(node).repeat();
-        match args.time {
+        match args.frozen() {
             Some(time) => active.seek_to(time + idle.1).pause(),
             None => active.seek_to(idle.1),
         };

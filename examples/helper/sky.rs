@@ -52,11 +52,21 @@ fn filtered(direction: Vec3, exponent: f32, samples: &[(Vec3, Vec3)]) -> Vec3 {
 }
 
 /// The bits of a 16-bit float; for values from 0 to 65,000, truncated.
-fn half_float(value: f32) -> u16 {
+pub fn half_float(value: f32) -> u16 {
     match value {
         v if v < 6.2e-5 => 0,
         v => ((v.min(65_000.0).to_bits() >> 13) - (112 << 10)) as u16,
     }
+}
+
+/// The value of a 16-bit float that is finite.
+pub fn from_half(bits: u16) -> f32 {
+    let (sign, exponent, fraction) = (bits >> 15, (bits >> 10) & 31, f32::from(bits & 1023));
+    let size = match exponent {
+        0 => fraction * 2.0_f32.powi(-24),
+        e => (1.0 + fraction / 1024.0) * 2.0_f32.powi(i32::from(e) - 15),
+    };
+    if sign == 1 { -size } else { size }
 }
 
 fn cube(size: u32, levels: u32, color: impl Fn(Vec3, u32) -> Vec3) -> Image {
@@ -93,8 +103,8 @@ fn cube(size: u32, levels: u32, color: impl Fn(Vec3, u32) -> Vec3) -> Image {
     image
 }
 
-/// (background and reflections, irradiance) of the sky.
-pub fn maps() -> (Image, Image) {
+/// (background and reflections, irradiance) of a sky of this radiance.
+pub fn maps(radiance: impl Fn(Vec3) -> Vec3) -> (Image, Image) {
     let samples: Vec<_> = (0..6)
         .flat_map(|face| (0..64).map(move |i| texel(face, i % 8, i / 8, 8)))
         .map(|direction| (direction, radiance(direction)))

@@ -3,7 +3,7 @@
 use bevy_plumage::{anatomy::Feather, asset::RonAsset, groom::Groom};
 
 /// The names of all feathers: the macaw's, the eagle's, one neutral feather of each type.
-pub const FEATHERS: [&str; 39] = [
+pub const FEATHERS: [&str; 40] = [
     "macaw_head",
     "macaw_face_line",
     "macaw_neck",
@@ -21,6 +21,7 @@ pub const FEATHERS: [&str; 39] = [
     "eagle_bristle",
     "eagle_hackle",
     "eagle_contour",
+    "eagle_body",
     "eagle_soft",
     "eagle_semiplume",
     "eagle_lesser",

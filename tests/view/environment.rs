@@ -40,7 +40,7 @@ fn sixteen_samples_come_near_to_many() {
     let Some(mut stage) = Stage::new() else {
         return;
     };
-    let (specular, diffuse) = sky::maps();
+    let (specular, diffuse) = sky::maps(sky::radiance);
     let world = stage.app.world_mut();
     let mut images = world.resource_mut::<Assets<Image>>();
     let light = EnvironmentMapLight {

@@ -2,6 +2,7 @@
 //! What an edit costs, devices below the limits, debug views, and pictures of reference (`golden.rs`).
 //! Needs a GPU or Mesa's lavapipe; without either it fails, unless `PLUMAGE_NO_GPU=1`.
 
+mod accumulate;
 mod cameras;
 mod culling;
 mod debug;

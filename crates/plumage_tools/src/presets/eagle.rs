@@ -7,6 +7,8 @@ use bevy_plumage::anatomy::{Albedo, Bars, Pattern, Rim};
 const DOWN: u32 = 0xD8D2C8;
 const DARK: u32 = 0x33271F;
 const BROWN: u32 = 0x4A3524;
+/// Brown of the whole bird: hardly a color, as photographs show it.
+const BODY: u32 = 0x473D34;
 
 const HEAD: Micro = Micro {
     pitch: [0.35; 2],
@@ -67,7 +69,7 @@ fn barred(count: f32, share: f32, waviness: f32, tip: f32, dark: u32) -> Albedo 
             (1.0, dark, 0.5),
         ])
     };
-    faces(pattern(0x6B6058, dark), pattern(0x8F857A, 0x554A40))
+    faces(pattern(0x544B44, dark), pattern(0x8F857A, 0x554A40))
 }
 
 fn rimmed(pattern: Pattern, width: f32, rgb: u32) -> Albedo {
@@ -81,7 +83,7 @@ fn rimmed(pattern: Pattern, width: f32, rgb: u32) -> Albedo {
     })
 }
 
-/// E1 to E12.
+/// The eagle's feathers.
 pub(super) fn all() -> Vec<Template> {
     let head = Template {
         name: "eagle_head",
@@ -95,7 +97,7 @@ pub(super) fn all() -> Vec<Template> {
         micro: HEAD,
         fringe: 0.18,
         gaps: gaps(3, 0.012, 0.3, 31),
-        albedo: rimmed(body(0.5, DOWN, 0x4A3626, 0x8B6239), 0.14, 0xC08A4C),
+        albedo: rimmed(body(0.5, DOWN, 0x46382C, 0x857058), 0.11, 0xA88C68),
         structural: false,
     };
     let contour = Template {
@@ -189,15 +191,23 @@ pub(super) fn all() -> Vec<Template> {
                 ..stops(&[
                     (0.0, DOWN, 0.0),
                     (0.25, DOWN, 0.0),
-                    (0.4, 0x4A3220, 0.0),
-                    (0.55, 0x4A3220, 0.3),
-                    (0.75, 0xC4924F, 1.0),
-                    (1.0, 0xC4924F, 0.9),
+                    (0.4, 0x46392E, 0.0),
+                    (0.55, 0x46392E, 0.3),
+                    (0.75, 0xC49F6E, 1.0),
+                    (1.0, 0xC49F6E, 0.9),
                 ])
             }),
             ..contour.clone()
         },
         contour.clone(),
+        // What covers the body runs together in streaks: only scapulars and coverts have pale rims.
+        Template {
+            name: "eagle_body",
+            fringe: 0.14,
+            gaps: gaps(5, 0.010, 0.5, 43),
+            albedo: both(body(0.46, DOWN, 0x38302A, BODY)),
+            ..contour.clone()
+        },
         Template {
             name: "eagle_soft",
             width_mm: 37.0,
@@ -206,7 +216,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.34,
             gaps: gaps(7, 0.010, 0.45, 34),
-            albedo: both(body(0.58, DOWN, 0x4A3A2C, BROWN)),
+            albedo: both(body(0.58, DOWN, 0x463B32, BODY)),
             ..contour.clone()
         },
         Template {
@@ -249,7 +259,7 @@ pub(super) fn all() -> Vec<Template> {
             },
             fringe: 0.04,
             gaps: gaps(3, 0.007, 0.35, 36),
-            albedo: rimmed(body(0.42, DOWN, 0x3A2A1E, 0x5A4230), 0.11, 0x9A7C5C),
+            albedo: rimmed(body(0.42, DOWN, 0x38302A, 0x56493F), 0.09, 0x857463),
             ..contour.clone()
         },
         Template {
@@ -271,7 +281,7 @@ pub(super) fn all() -> Vec<Template> {
             },
             fringe: 0.03,
             gaps: gaps(3, 0.005, 0.35, 37),
-            albedo: rimmed(body(0.22, DOWN, 0x4A3C30, 0x4A3726), 0.07, 0x7A5C40),
+            albedo: rimmed(body(0.22, DOWN, 0x463D36, 0x473D33), 0.06, 0x6A5C50),
             ..contour.clone()
         },
         primary.clone(),
@@ -325,7 +335,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.5,
             gaps: gaps(8, 0.010, 0.5, 41),
-            albedo: both(body(0.55, DOWN, 0x6A5440, 0x6E4F34)),
+            albedo: both(body(0.55, DOWN, 0x625346, 0x665443)),
             ..contour.clone()
         },
         Template {
@@ -337,7 +347,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.6,
             gaps: gaps(9, 0.013, 0.5, 42),
-            albedo: both(body(0.5, DOWN, 0xB39A7C, 0x9A7B58)),
+            albedo: both(body(0.5, DOWN, 0xAE9B84, 0x98826A)),
             ..contour
         },
     ]

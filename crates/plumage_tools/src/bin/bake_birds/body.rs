@@ -118,9 +118,9 @@ impl<'a> Body<'a> {
             let eye = self.species.joint("eye_L");
             let ridge = cone(
                 p,
-                eye + Vec3::new(-4.5, 9.5, 9.0),
-                eye + Vec3::new(-5.0, 11.5, -10.0),
-                [5.0, 6.0],
+                eye + Vec3::new(-2.5, 10.0, 10.0),
+                eye + Vec3::new(-2.0, 11.5, -9.0),
+                [5.0, 5.5],
             );
             d = smooth_min(d, ridge.0, 7.0);
         }
@@ -134,16 +134,16 @@ impl<'a> Body<'a> {
             d = smooth_min(d, parts.legs[2].0, k_tarsus);
         }
         // The feathers of the breast's sides swell round the folded wrist.
-        let (s, forward) = if self.species.is_parrot() {
-            (1.0, 6.0)
+        let (s, inward, forward) = if self.species.is_parrot() {
+            (1.0, 30.0, 0.0)
         } else {
-            (1.9, -5.0)
+            (1.9, 25.0, -11.0)
         };
         let swell = cone(
             p,
-            self.wrist + Vec3::new(-10.0, 12.0, forward) * s,
-            self.wrist + Vec3::new(-16.0, -30.0, forward) * s,
-            [13.0 * s, 8.0 * s],
+            self.wrist + Vec3::new(-inward, 12.0, forward) * s,
+            self.wrist + Vec3::new(-inward - 3.0, -30.0, forward) * s,
+            [11.0 * s, 7.0 * s],
         );
         d = smooth_min(d, swell.0, 20.0 * s);
         smooth_min(d, parts.wing, k_wing)

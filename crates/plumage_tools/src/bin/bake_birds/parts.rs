@@ -211,11 +211,7 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
         let side = a.sin().abs();
         if parrot && a.cos() < -0.1 {
             // The black wedge that runs from the gape along the lower edge.
-            return mix(
-                c,
-                dark,
-                (-a.cos() - 0.1 - 0.9 * (0.75 - f).max(0.0) * 0.6) * 6.0,
-            );
+            return mix(c, dark, (-a.cos() - 0.12 - 0.32 * (0.8 - f).max(0.0)) * 6.0);
         }
         let spot = ((f - nostril.0) / 0.05).powi(2) + ((a.cos() - nostril.1) / 0.14).powi(2);
         if side > 0.3 && spot < 1.0 { dark } else { c }
@@ -251,7 +247,43 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
         })
         .collect();
     out.tube(&rings, 20, |_, _, c| c);
+    if !parrot {
+        gape(&mut out, skeleton, cere);
+    }
     out
+}
+
+/// The fleshy rim of the eagle's gape, from the cere back to below the eye.
+fn gape(out: &mut Primitive, skeleton: &Skeleton, color: [f32; 3]) {
+    let path = [
+        Vec3::new(13.0, 503.0, 104.0),
+        Vec3::new(22.0, 502.0, 96.0),
+        Vec3::new(29.5, 502.5, 86.0),
+        Vec3::new(34.5, 504.0, 77.0),
+    ];
+    let binding = rigid(skeleton.index("head"));
+    for side in [1.0, -1.0] {
+        let flip = Vec3::new(side, 1.0, 1.0);
+        let rings: Vec<Ring> = (0..13)
+            .map(|i| {
+                let at = i as f32 / 4.0;
+                let k = (at as usize).min(2);
+                let centre = path[k].lerp(path[k + 1], at - k as f32);
+                let along = (path[k + 1] - path[k]).normalize();
+                let across = along.cross(Vec3::Y).normalize();
+                let thin = 1.0 - 0.75 * (at / 3.0).powi(4);
+                Ring {
+                    centre: centre * flip,
+                    across: across * flip * (1.7 * thin),
+                    up: Vec3::Y * (2.1 * thin),
+                    color,
+                    binding,
+                    keel: 0.0,
+                }
+            })
+            .collect();
+        out.tube(&rings, 12, |_, _, c| c);
+    }
 }
 
 /// Direction the left eye looks.
@@ -394,12 +426,13 @@ fn toe_path(species: &Species, toe: usize, share: f32) -> (Vec3, Vec3) {
     let foot = species.joint("foot_L");
     let radius = species.perch + species.toe_radius[0] * (1.0 - 0.3 * share);
     let sign = if species.backward[toe] { -1.0 } else { 1.0 };
-    let start = foot.z.atan2(foot.y + species.perch);
+    let top = species.perch_top;
+    let start = foot.z.atan2(foot.y - top + species.perch);
     let angle = start + sign * share * species.toes[toe] / (species.perch + species.toe_radius[0]);
     let x = foot.x + species.splay[toe] * share;
     let outward = Vec3::new(0.0, angle.cos(), angle.sin());
     (
-        Vec3::new(x, -species.perch, 0.0) + outward * radius,
+        Vec3::new(x, top - species.perch, 0.0) + outward * radius,
         outward,
     )
 }

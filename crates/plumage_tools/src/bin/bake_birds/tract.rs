@@ -69,7 +69,15 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
         1 if q.y > s.joint("tibia_L").y - 0.4 * s.legs[0][1] => 0,
         leg => leg,
     };
-    if parts.legs[leg].0 < core - 3.0 && parts.legs[leg].0 < parts.wing && q.y < arcs.leg_top {
+    // Between the thighs the belly runs on to the tail.
+    let between = parts.trunk.arc < arcs.ventral[0]
+        && parts.trunk.angle > 122.0
+        && q.x < 0.5 * s.joint("femur_L").x;
+    if !between
+        && parts.legs[leg].0 < core - 3.0
+        && parts.legs[leg].0 < parts.wing
+        && q.y < arcs.leg_top
+    {
         return [Tract::Femoral, Tract::Crural, Tract::Tarsal][leg];
     }
     if parts.wing + 0.25 * s.arm[0] < core {
@@ -151,8 +159,14 @@ fn bare(body: &Body, q: Vec3) -> bool {
     let s = body.species;
     if s.is_parrot() {
         // A rounded patch from the bill to behind the eye, joined to a rim round the bill.
-        let patch = rounded(q.z - 86.5, q.y - 313.5, 24.0, 16.0, 13.0);
-        let rim = rounded(q.z - 112.0, q.y - 299.5, 19.5, 31.0, 6.0);
+        let patch = rounded(
+            q.z - 84.5 - 0.25 * (312.0 - q.y),
+            q.y - 309.0 + 0.5 * (q.z - 84.0).max(0.0),
+            25.0,
+            20.0,
+            15.0,
+        );
+        let rim = rounded(q.z - 112.0, q.y - 286.0, 21.0, 26.0, 8.0);
         let h = (0.5 + 0.5 * (rim - patch) / 10.0).clamp(0.0, 1.0);
         rim * (1.0 - h) + patch * h - 10.0 * h * (1.0 - h) < 0.0
     } else {
@@ -280,29 +294,29 @@ pub fn color(parrot: bool, tract: Tract) -> u32 {
         match tract {
             Bare | EyeRing => 0xF0E3D8,
             Rump | TailUpper | TailUnder => 0x5DA9DC,
-            Vent => 0x9A5A6A,
-            Back => 0xA8504A,
-            CovertUpper | Elbow => 0x8A7A30,
+            Vent => 0xB0301C,
+            Back => 0xB83A24,
+            CovertUpper | Elbow => 0xB08E24,
             LesserUnder | MarginalUnder | CovertUnder => 0xB03020,
-            Belly | Flank | Side | Femoral | Crural => 0xB8221A,
-            _ => 0xC4241A,
+            Belly | Flank | Side | Femoral | Crural => 0xC0301B,
+            _ => 0xC8361D,
         }
     } else {
         match tract {
             Bare => 0xE8B62C,
-            Crown => 0x8B6239,
-            Nape | NeckDorsal => 0xA97B45,
-            Cheek | NeckVentral => 0x5C412A,
-            Lore => 0x4A3828,
-            EyeRing => 0x5A4628,
-            Rump => 0x5A4230,
-            Vent | TailUpper | TailUnder => 0x6B4E35,
-            Femoral => 0x54392A,
-            Crural => 0x7A5A3E,
-            Tarsal => 0x9A7B58,
-            LesserUpper | MarginalUpper | CovertUpper | Elbow => 0x5E462F,
-            LesserUnder | MarginalUnder | CovertUnder => 0x4C3725,
-            _ => 0x46321F,
+            Crown => 0x856F58,
+            Nape | NeckDorsal => 0xA9875F,
+            Cheek | NeckVentral => 0x58493C,
+            Lore => 0x473D34,
+            EyeRing => 0x3A2E22,
+            Rump => 0x56493F,
+            Vent | TailUpper | TailUnder => 0x675749,
+            Femoral => 0x514239,
+            Crural => 0x756354,
+            Tarsal => 0x9A8369,
+            LesserUpper | MarginalUpper | CovertUpper | Elbow => 0x5A4D40,
+            LesserUnder | MarginalUnder | CovertUnder => 0x493D33,
+            _ => 0x43382D,
         }
     }
 }

@@ -113,7 +113,7 @@ impl WingPlane {
         let p1 = self.primary(1.0);
         let tertial = self.azimuths[1] + 105.0 + 0.47 * (150.0 - self.pose.elbow);
         let open = p1 + 3.0 + (tertial - p1 - 3.0) * share;
-        let closed = p1 + 1.0 - 3.0 * share;
+        let closed = p1 + 1.0 - species.fold_fan * share;
         let folded = (self.pose.roll / species.fold.roll).clamp(0.0, 1.0);
         // The plane wraps round the back: the roll falls towards the innermost feather.
         let roll = self.pose.roll * (1.0 - (48.0 / 70.0) * share.powf(0.8));
