@@ -185,6 +185,9 @@ pub struct Args {
     /// Samples of the sky per pixel, 0 to 1024; 0 takes the prefiltered maps.
     #[arg(long, default_value_t = 0, help_heading = "Rendering")]
     pub env_samples: u32,
+    /// Depth first: only what shows is shaded, and the coat's order decides within its window. Not for blended feathers.
+    #[arg(long, help_heading = "Rendering")]
+    pub depth_prepass: bool,
     /// For slow machines: no shadows; `inspector` also draws the bird smaller, and only when something has changed.
     #[arg(long, help_heading = "Rendering")]
     pub lean: bool,

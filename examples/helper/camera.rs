@@ -3,7 +3,7 @@
 use super::{Args, Shot, backdrop, scene::Sky, setting::Setting};
 use bevy::{
     camera::{Exposure, Hdr, RenderTarget},
-    core_pipeline::oit::OrderIndependentTransparencySettings,
+    core_pipeline::{oit::OrderIndependentTransparencySettings, prepass::DepthPrepass},
     prelude::*,
 };
 use bevy_plumage::prelude::*;
@@ -138,6 +138,9 @@ fn spawn_camera(
     ));
     if args.transparency == Some(FeatherTransparency::OrderIndependent) {
         camera.insert(OrderIndependentTransparencySettings::default());
+    }
+    if args.depth_prepass {
+        camera.insert(DepthPrepass);
     }
     if let Some(image) = off_screen {
         camera.insert(RenderTarget::Image(image.0.clone().into()));

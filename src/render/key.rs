@@ -76,6 +76,8 @@ pub struct FeatherPipelineKey {
     pub drawn: DrawnCards,
     /// `FeatherSettings::order_window` is open.
     pub ordered: bool,
+    /// Fibres are read from the short tables of MEAN cards.
+    pub plain: bool,
 }
 
 impl FeatherPipelineKey {
@@ -87,6 +89,17 @@ impl FeatherPipelineKey {
                 self.transparency,
                 FeatherTransparency::AlphaToCoverage | FeatherTransparency::Hashed
             )
+    }
+
+    /// The same for feathers whose fibres are all plain ([`crate::maths::scattering::FibreTable::is_plain`]), or not: MEAN cards have a
+    /// short form of them, unless more than their color is asked of the fibres.
+    pub fn with_plain_fibres(self, plain: bool) -> Self {
+        let short = self.drawn == DrawnCards::Mean
+            && !(self.sampled_environment || self.overdraw || self.debug);
+        Self {
+            plain: plain && short,
+            ..self
+        }
     }
 
     /// The phase of Bevy in which the material is drawn.
@@ -137,6 +150,9 @@ impl FeatherPipelineKey {
         }
         if self.debug {
             defs.push("DEBUG_VIEW".into());
+        }
+        if self.plain {
+            defs.push("PLAIN_FIBRES".into());
         }
         defs
     }
@@ -333,6 +349,7 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
                         debug,
                         drawn,
                         ordered,
+                        plain: false,
                     };
                     let made = match drawn {
                         DrawnCards::Own => true,
@@ -341,6 +358,10 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
                     };
                     if made {
                         keys.push(key);
+                    }
+                    let plain = key.with_plain_fibres(true);
+                    if made && plain != key {
+                        keys.push(plain);
                     }
                 }
             }

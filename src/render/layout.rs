@@ -9,7 +9,10 @@ use crate::{
     anatomy::{CONTOUR_ROWS, RACHIS_ROWS},
     maths::{
         query::Lod,
-        scattering::{KEPT_AZIMUTHS, KEPT_LEVELS, SHEEN_TABLE_SIZE},
+        scattering::{
+            KEPT_AZIMUTHS, KEPT_LEVELS, MEAN_HEAD_VEC4S, MEAN_ROW_VEC4S, MEAN_TABLE_VEC4S,
+            SHEEN_TABLE_SIZE,
+        },
     },
     shaders::{ConstantLayout, StructLayout},
 };
@@ -59,6 +62,14 @@ pub fn constant_layouts() -> Vec<ConstantLayout> {
             ("CARD_MIXED", Lod::Mixed as usize),
         ],
     );
+    all.extend(in_file(
+        "maths/scattering_mean.wgsl",
+        &[
+            ("MEAN_HEAD_LENGTH", MEAN_HEAD_VEC4S),
+            ("MEAN_ROW_LENGTH", MEAN_ROW_VEC4S),
+            ("MEAN_TABLE_LENGTH", MEAN_TABLE_VEC4S),
+        ],
+    ));
     all.extend(in_file(
         "maths/query.wgsl",
         &[

@@ -150,7 +150,7 @@ impl From<&FeatherMaterial> for FeatherPipelineKey {
         let settings = &material.settings;
         let shaded = settings.debug_view == DebugView::None;
         let overdraw = settings.debug_view == DebugView::Overdraw;
-        Self {
+        let key = Self {
             coverage_method: settings.coverage_method,
             transparency: material.transparency,
             sampled_environment: shaded && settings.environment_samples > 0,
@@ -159,7 +159,9 @@ impl From<&FeatherMaterial> for FeatherPipelineKey {
             debug: !shaded && !overdraw,
             drawn: material.drawn,
             ordered: material.settings.order_window > 0.0,
-        }
+            plain: false,
+        };
+        key.with_plain_fibres(material.plain)
     }
 }
 
@@ -174,6 +176,8 @@ pub struct FeatherMaterial {
     pub transparency: FeatherTransparency,
     /// Which fragments this material draws; the plugin makes materials for the rest.
     pub drawn: DrawnCards,
+    /// All fibres are plain ([`FibreTable::is_plain`](crate::maths::scattering::FibreTable::is_plain)): MEAN cards take their short form.
+    pub plain: bool,
     /// Feathers and fibre tables, laid out as `shaders/feather_data.wgsl` reads them.
     #[storage(1, read_only)]
     pub feathers: Handle<ShaderBuffer>,

@@ -81,6 +81,8 @@ struct FeatherSet {
     feathers: Handle<ShaderBuffer>,
     albedo: Handle<Image>,
     bytes: (u64, u64),
+    /// See [`FeatherMaterial::plain`].
+    plain: bool,
     /// The feathers as they were packed, and their tables.
     packed: Vec<Feather>,
     tables: TableCache,
@@ -159,7 +161,8 @@ fn refresh_in_place(
         return false;
     }
     let data = pack_feathers(&now, &mut set.tables);
-    if data.len() as u64 != set.bytes.0 {
+    // Other pipelines where fibres have become plain, or are so no longer.
+    if data.len() as u64 != set.bytes.0 || set.tables.is_plain() != set.plain {
         return false;
     }
     let Some(mut buffer) = buffers.get_mut(&set.feathers) else {
@@ -240,6 +243,7 @@ fn prepare_materials(
                 bytes: (data.len() as u64, albedo_bytes),
                 feathers: buffers.add(upload(data, "feathers")),
                 albedo: images.add(albedo),
+                plain: tables.is_plain(),
                 packed: assets.into_iter().cloned().collect(),
                 tables,
             };
@@ -263,6 +267,7 @@ fn prepare_materials(
             settings: quality.settings,
             transparency: quality.transparency,
             drawn: default(),
+            plain: set.plain,
             feathers: set.feathers.clone(),
             cards: buffers.add(upload(records, "feather_cards")),
             lod: buffers.add(upload(lod, "feather_lod")),

@@ -20,6 +20,7 @@ mod frame;
 mod kept;
 mod lobes;
 mod longitudinal;
+mod mean;
 mod medulla;
 mod near;
 mod parameters;
@@ -47,6 +48,10 @@ pub use lobes::{Crossing, Lobe, attenuation, crossing, exit_angle, fresnel};
 pub use longitudinal::{
     LongitudinalSpread, fold, i0e, lobe_shift, lobe_width, longitudinal, longitudinal_spread,
     longitudinal_with,
+};
+pub use mean::{
+    MEAN_COSINES, MEAN_HEAD_VEC4S, MEAN_ROW_VEC4S, MEAN_TABLE_VEC4S, MeanRow, MeanShading,
+    mean_energies, mean_lit, mean_lobes, mean_row_mix, mean_shading,
 };
 pub use medulla::{MEDULLA_AXES, MEDULLA_PLACE, MEDULLA_TABLE_LENGTH, MedullaShape, medulla_shape};
 pub use near::{

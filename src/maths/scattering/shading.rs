@@ -58,10 +58,18 @@ pub struct FibreShading<T> {
 }
 
 /// 2 (pi / 4)^2: places spread over a silhouette, so the angle between two of them follows the directions' by pi/4 each.
-const TWICE_SILHOUETTE: f64 = 1.233_700_550_136_169_7;
+pub(super) const TWICE_SILHOUETTE: f64 = 1.233_700_550_136_169_7;
+
+/// Blur that one term can show, radians; more terms show less in proportion.
+pub(super) const FIRST_BLUR: f64 = 1.6;
 
 /// Series factors of a shape stored in two vec4s, damped by a Gaussian blur, cut after `harmonics`.
-fn damped<T: Real>(row: &FibreRow<T>, at: usize, blur: T, harmonics: u32) -> [T; FIBRE_HARMONICS] {
+pub(super) fn damped<T: Real>(
+    row: &FibreRow<T>,
+    at: usize,
+    blur: T,
+    harmonics: u32,
+) -> [T; FIBRE_HARMONICS] {
     let mut out = [T::zero(); FIBRE_HARMONICS];
     // exp(-n^2 b^2/2) from the one before: the exponents are 1, 1 + 3, 1 + 3 + 5..
     let first = (blur * blur * real(-0.5)).exp();
@@ -125,7 +133,7 @@ pub fn fibre_shading<T: Real>(
     // Too few terms for a narrow lobe would ring: blur it to what they can show.
     let blur = p
         .azimuthal_roughness
-        .max(real::<T>(1.6) / real(f64::from(harmonics)));
+        .max(real::<T>(FIRST_BLUR) / real(f64::from(harmonics)));
     let warped = blur * stretch(p.aspect, azimuth);
     let core_aspect = core_aspect(p.aspect, azimuth);
     let narrowed = blur / p.aspect.sqrt();

@@ -5,7 +5,7 @@ use crate::{
     maths::query::{CardVane, Vane},
     maths::scattering::{
         FIBRE_ROW_VEC4S, FIBRE_ROWS, Fibre, FibreTable, KEPT_AZIMUTHS, KEPT_LEVELS,
-        SHEEN_TABLE_SIZE, kept_light, mean_caught, mirror_place, sheen_row,
+        MEAN_TABLE_VEC4S, SHEEN_TABLE_SIZE, kept_light, mean_caught, mirror_place, sheen_row,
     },
 };
 
@@ -51,7 +51,14 @@ pub struct TableCache {
     kept: Vec<Kept>,
 }
 
-/// The buffer `feathers` of one bird, in the order given: header, feathers, fibre tables. Reuses the tables in `cache`, and leaves
+impl TableCache {
+    /// Whether the short tables of MEAN cards say all of these fibres.
+    pub fn is_plain(&self) -> bool {
+        self.tables.iter().all(|(_, table)| table.is_plain())
+    }
+}
+
+/// The buffer `feathers` of one bird, in the order given: header, feathers, fibre tables, their short forms. Reuses the tables in `cache`, and leaves
 /// in it those of these feathers.
 pub fn pack_feathers(feathers: &[&Feather], cache: &mut TableCache) -> Vec<u8> {
     let known = std::mem::take(cache);
@@ -67,11 +74,16 @@ pub fn pack_feathers(feathers: &[&Feather], cache: &mut TableCache) -> Vec<u8> {
     }
     let room = tables.len().next_multiple_of(TABLE_STEP) - tables.len();
     rows.resize(rows.len() + room * FIBRE_ROWS * FIBRE_ROW_VEC4S, [0.0; 4]);
+    let first_mean = rows.len();
+    for (_, table) in tables {
+        rows.extend(table.pack_mean());
+    }
+    rows.resize(rows.len() + room * MEAN_TABLE_VEC4S, [0.0; 4]);
     rows[0] = [
         feathers.len() as f32,
         first_table as f32,
         tables.len() as f32,
-        0.0,
+        first_mean as f32,
     ];
     *cache = found;
     rows.iter()

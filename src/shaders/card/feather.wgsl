@@ -7,14 +7,18 @@
     feather_lighting as light,
     feather_near::{NearFootprint, near_footprint},
     feather_opacity::{LEAST_OPACITY, leaves_hole, sample_bits},
-    feather_shadow::{caught_light, kept_light, part_eye, part_reach, shadowing_of},
+    feather_shadow::{caught_light, kept_light, light_ray, part_eye, part_reach, shadowing_of},
     scattering::{
         FIBRE_PARAMETER_LENGTH, FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreRow, fibre_along, fibre_lit, fibre_lobes,
         fibre_parameters, fibre_row_at, fibre_row_mix, fibre_shading, fibre_terms, multiple_scattering, single_scattering_albedo,
     },
     scattering_near::{fibre_near, fibre_near_lobes, fibre_window},
+    shadow::VaneRay,
     sheen::{sheen_albedo, sheen_evaluate, sheen_place, sheen_tint},
 }
+#ifdef PLAIN_FIBRES
+#import bevy_plumage::scattering_mean as mean
+#endif
 #ifdef DEBUG_VIEW
 #import bevy_plumage::feather_debug::{VIEW_LOBE, debug_color}
 #import bevy_plumage::scattering::fibre_energy_split
@@ -94,6 +98,31 @@ fn read_part(base: u32, part: u32, tangent: vec2<f32>, frame: Frame) -> Part {
         eye,
     );
 }
+
+#ifdef PLAIN_FIBRES
+// The fibre of one component from its short table, prepared for the lights.
+fn mean_part(
+    base: u32,
+    part: u32,
+    eye: vec3<f32>,
+    albedo: vec3<f32>,
+    dark_back: f32,
+    frequency: f32,
+) -> mean::MeanShading {
+    let table = u32(feather_at(0u).w) + u32(feather_at(base + data::TABLES)[part]) * mean::MEAN_TABLE_LENGTH;
+    var head: array<vec4<f32>, 4>;
+    for (var i = 0u; i < mean::MEAN_HEAD_LENGTH; i++) {
+        head[i] = feather_at(table + i);
+    }
+    let place = fibre_row_at(sqrt(max(1.0 - eye.x * eye.x, 0.0)));
+    let first = table + mean::MEAN_HEAD_LENGTH + place.index * mean::MEAN_ROW_LENGTH;
+    var row: array<vec4<f32>, 6>;
+    for (var i = 0u; i < mean::MEAN_ROW_LENGTH; i++) {
+        row[i] = mix(feather_at(first + i), feather_at(first + mean::MEAN_ROW_LENGTH + i), place.fraction);
+    }
+    return mean::mean_shading(head, row, albedo, eye, dark_back, frequency);
+}
+#endif
 
 // Mean and deviation in h of what the pixel sees of a component, deviation -1: its whole width. Barbs and shaft only.
 fn near_of(part: u32, near: NearFootprint, angles: vec4<f32>, right: bool, tangent: vec2<f32>, eye: vec3<f32>, hand: f32) -> vec2<f32> {
@@ -212,12 +241,14 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
         var batch: array<light::Light, BATCH>;
         // In the frame of the card, and how much the vane catches of it.
         var towards: array<vec4<f32>, BATCH>;
+        var rays: array<VaneRay, BATCH>;
         let count = min(lights.count - first, BATCH);
         for (var i = 0u; i < count; i++) {
             batch[i] = light::light_at(seen, lights, first + i);
             let there = batch[i].direction;
             let local = vec3(dot(there, frame.across), dot(there, frame.along), dot(there, frame.normal));
-            towards[i] = vec4(local, caught_light(shadowing, local));
+            rays[i] = light_ray(shadowing, local);
+            towards[i] = vec4(local, caught_light(shadowing, rays[i]));
             sum += opacity * fuzz.x * tint * batch[i].color * sheen_evaluate(sheen, eye_side, frame.eye, batch[i].direction);
         }
         var passed = 0.0;
@@ -229,6 +260,12 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
             let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x);
             let painted = min(albedo * shares[part], vec3(0.98));
             let single = single_scattering_albedo(painted, settings.multiple_scattering * meetings[part]);
+#ifdef PLAIN_FIBRES
+            let eye = in_fibre(tangent, frame.hand, frame.local_eye);
+            let frequency = select(0.0, shadowing.frequency, part == shadowing.lower);
+            let shading = mean_part(base, part, eye, single, shape.w, frequency);
+            let energies = mean::mean_energies(shading);
+#else
             let fibre = read_part(base, part, tangent, frame);
             var harmonics = 4u;
             if (level != data::CARD_MEAN) {
@@ -238,10 +275,23 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
             if (part == shadowing.lower) {
                 shading.along = fibre_along(fibre.parameters, fibre.row, shading.absorption, shadowing.frequency);
             }
+#endif
             // What it keeps of light from all around, lobe by lobe. Light that leaves it meets another fibre where light from all
             // around would be kept off.
             let before = kept_light(shadowing, part, 0u);
             let after = kept_light(shadowing, part, 1u);
+#ifdef PLAIN_FIBRES
+            var second = energies.second;
+            var kept_second = vec2(before.y, after.y);
+            if (shading.structural) {
+                second *= mix(1.0, clamp(0.5 + 0.5 * shading.azimuth.y, 0.0, 1.0), shading.back.y);
+                kept_second = vec2(before.w, after.w);
+            }
+            let specular = energies.surface * before.x;
+            let front = second * kept_second.x + energies.scattered * before.w;
+            let back = energies.surface * after.x + second * kept_second.y + energies.scattered * after.w;
+            let scattered = energies.surface + second + energies.scattered;
+#else
             var fourth = shading.energy_fourth;
             if (shading.structural) {
                 fourth *= mix(1.0, clamp(0.5 + 0.5 * shading.azimuth.y, 0.0, 1.0), shading.dark_back);
@@ -251,6 +301,7 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
             let back = shading.energy_surface * after.x + shading.energy_through * after.y + shading.energy_inner * after.z
                 + fourth * after.w;
             let scattered = shading.energy_surface + shading.energy_through + shading.energy_inner + fourth;
+#endif
             let meeting = 1.0 - min((specular + front + back) / max(scattered, vec3(1e-6)), vec3(1.0));
             let again = multiple_scattering(scattered, settings.multiple_scattering * meeting);
             let part_seen = part_eye(shadowing, part);
@@ -268,6 +319,14 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
                 radiance += (indirect + again * everywhere) * open;
                 passed += weight;
             }
+#ifdef PLAIN_FIBRES
+            for (var i = 0u; i < count; i++) {
+                let there = towards[i];
+                let lobes = mean::mean_lobes(shading, in_fibre(tangent, frame.hand, there.xyz));
+                let reach = part_reach(shadowing, part_seen, rays[i], part, lobes.turn, false);
+                radiance += batch[i].color * (mean::mean_lit(shading, lobes, reach) + again * there.w);
+            }
+#else
             let place = near_of(part, near, angles, covered.right, tangent, fibre.eye, frame.hand);
             if (resolved && place.y > 0.0) {
                 let window = fibre_window(place.x, place.y);
@@ -275,17 +334,18 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
                 for (var i = 0u; i < count; i++) {
                     let there = towards[i];
                     let lobes = fibre_near_lobes(near_fibre, in_fibre(tangent, frame.hand, there.xyz));
-                    let reach = part_reach(shadowing, part_seen, there.xyz, part, lobes.turn, true);
+                    let reach = part_reach(shadowing, part_seen, rays[i], part, lobes.turn, true);
                     radiance += batch[i].color * (fibre_lit(shading, lobes, reach) + again * there.w);
                 }
             } else {
                 for (var i = 0u; i < count; i++) {
                     let there = towards[i];
                     let lobes = fibre_lobes(shading, in_fibre(tangent, frame.hand, there.xyz));
-                    let reach = part_reach(shadowing, part_seen, there.xyz, part, lobes.turn, false);
+                    let reach = part_reach(shadowing, part_seen, rays[i], part, lobes.turn, false);
                     radiance += batch[i].color * (fibre_lit(shading, lobes, reach) + again * there.w);
                 }
             }
+#endif
             sum += weight * base_share * radiance;
         }
         first += BATCH;

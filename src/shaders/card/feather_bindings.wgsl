@@ -26,8 +26,9 @@ struct FeatherSettings {
 // regions), then (lift, compliance, limit, yaw) of each region.
 @group(#{MATERIAL_BIND_GROUP}) @binding(6) var<storage, read> motion: array<vec4<f32>>;
 
+// Indices are those of a table that feather_base has found: none lies outside.
 fn feather_at(index: u32) -> vec4<f32> {
-    return feathers[min(index, arrayLength(&feathers) - 1u)];
+    return feathers[index];
 }
 
 // First vec4 of a feather.
@@ -46,10 +47,14 @@ fn rachis_at(base: u32, v: f32) -> vec4<f32> {
 
 // (left reach, right reach, their slopes) of the barb rooted at y0; a barb rooted outside the vane reaches nowhere.
 fn contour_at(base: u32, start: f32, y0: f32) -> vec4<f32> {
-    let c = contour_row(y0, start, f32(data::CONTOUR_SAMPLES));
-    let i = min(u32(c), data::CONTOUR_SAMPLES - 2u);
+    return contour_between(base, contour_row(y0, start, f32(data::CONTOUR_SAMPLES)));
+}
+
+// The same at a place between the rows, 0..CONTOUR_SAMPLES - 1.
+fn contour_between(base: u32, row: f32) -> vec4<f32> {
+    let i = min(u32(row), data::CONTOUR_SAMPLES - 2u);
     let at = base + data::HEADER_LENGTH + data::RACHIS_SAMPLES + i;
-    return mix(feather_at(at), feather_at(at + 1u), c - f32(i));
+    return mix(feather_at(at), feather_at(at + 1u), row - f32(i));
 }
 
 // (aInv, bInv, R) of the sheen at a cosine of the eye: entry and fraction from sheen_place.

@@ -3,7 +3,7 @@
 #import bevy_pbr::mesh_view_bindings::view
 #import bevy_plumage::{
     anatomy::{barb_cotangent, barb_root, canonical_footprint},
-    feather_bindings::{contour_at, feather_at, rachis_at, settings},
+    feather_bindings::{contour_at, contour_between, feather_at, rachis_at, settings},
     feather_data as data,
     feather_io::FeatherVertex,
     footprint::{Footprint, mirrored, widened},
@@ -65,10 +65,12 @@ fn cover_side(base: u32, right: bool, footprint: Footprint, edge: f32, frame: Fr
     let cotangent = barb_cotangent(card.vane.sin_b, card.vane.cos_b);
     let contour = contour_at(base, shape.z, barb_root(footprint.mean, cotangent));
     // The outline may turn within the footprint.
-    let sight = outline_sight(footprint, cotangent, (1.0 - shape.z) / f32(data::CONTOUR_SAMPLES - 1u));
+    let last = f32(data::CONTOUR_SAMPLES - 1u);
+    let sight = outline_sight(footprint, cotangent, (1.0 - shape.z) / last);
+    let rows = last / max(1.0 - shape.z, 1e-3);
     var nodes = vec2(0.0);
     for (var i = 0u; i < sight.count; i++) {
-        let there = contour_at(base, shape.z, outline_root(sight, i));
+        let there = contour_between(base, clamp((outline_root(sight, i) - shape.z) * rows, 0.0, last));
         nodes += outline_node(sight, i, select(there.xz, there.yw, right));
     }
     let outline = Outline(select(contour.xz, contour.yw, right), nodes.y / max(nodes.x, 1e-9));
@@ -90,8 +92,16 @@ fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u3
     let rachis = rachis_at(base, in.uv.y);
     let footprint = widened(canonical_footprint(in.uv, dpdx(in.uv), dpdy(in.uv), rachis.x, rachis.y, shape.x)).footprint;
     let edges = mask_rachis(rachis.z, frame.local_eye);
-    let left = cover_side(base, false, footprint, edges.x, frame, shape, level);
-    let right = cover_side(base, true, mirrored(footprint), -edges.y, frame, shape, level);
+    // In a loop, or the shader holds the vane twice.
+    var sides = array<vec4<f32>, 2>();
+    for (var i = 0u; i < 2u; i++) {
+        let right = i == 1u;
+        var side = footprint;
+        if (right) { side = mirrored(footprint); }
+        sides[i] = cover_side(base, right, side, select(edges.x, -edges.y, right), frame, shape, level);
+    }
+    let left = sides[0];
+    let right = sides[1];
     var covered: Covered;
     covered.footprint = footprint;
     covered.right = footprint.mean.x > 0.5 * (edges.x + edges.y);

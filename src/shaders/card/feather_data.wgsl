@@ -2,7 +2,7 @@
 #define_import_path bevy_plumage::feather_data
 #import bevy_plumage::masking::Vane
 
-// Buffer header: (feather count, first fibre table, fibre table count, unused).
+// Buffer header: (feather count, first fibre table, fibre table count, first short table).
 const FEATHERS_BASE: u32 = 1u;
 // One feather: header, rachis table, contour table, sheen row, kept light.
 const HEADER_LENGTH: u32 = 42u;

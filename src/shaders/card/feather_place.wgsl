@@ -84,6 +84,9 @@ fn bent(position: vec3<f32>, root: vec3<f32>, turn: Turn, v: f32) -> vec3<f32> {
 fn is_light() -> bool {
 #ifdef DIRECTIONAL_SHADOW
     return true;
+#else ifdef SAMPLE_COVERAGE
+    // No shadow map has several samples.
+    return false;
 #else ifdef PREPASS_PIPELINE
     return all(view.frustum[0] == vec4(0.0)) || any(view.world_position != view.lod_view_world_position);
 #else

@@ -4,11 +4,10 @@
     feather_bindings::feather_at,
     feather_cover::{Covered, Frame},
     feather_data as data,
-    masking::storeys,
     scattering::FibreReach,
     shadow::{
-        MirrorPlace, PartEye, VaneEye, VaneLight, barb_eye, barb_light, grating_frequency, lower_eye, lower_light, shaft_light,
-        upper_eye, upper_light, vane_caught, vane_eye, vane_ray,
+        MirrorPlace, PartEye, VANE_BARBS, VANE_LOWER, VANE_UPPER, VaneEye, VaneRay, grating_frequency, shaft_light, vane_caught, vane_eye,
+        vane_light, vane_part, vane_ray,
     },
 }
 
@@ -78,39 +77,32 @@ fn kept_light(s: Shadowing, part: u32, side: u32) -> vec4<f32> {
         + s.kept_weights.z * feather_at(next.x) + s.kept_weights.w * feather_at(next.y);
 }
 
-// How much the vane catches of light from a direction of the card, per steradian of light from all around.
-fn caught_light(s: Shadowing, direction: vec3<f32>) -> f32 {
-    return s.caught * vane_caught(s.eye.shape, storeys(s.eye.shape, direction * s.mirror), direction.z);
+// Light from a direction of the card.
+fn light_ray(s: Shadowing, direction: vec3<f32>) -> VaneRay {
+    return vane_ray(s.eye, direction * s.mirror);
+}
+
+// How much the vane catches of it, per steradian of light from all around.
+fn caught_light(s: Shadowing, ray: VaneRay) -> f32 {
+    return s.caught * vane_caught(s.eye.shape, ray.layers, ray.facing);
+}
+
+fn vane_kind(s: Shadowing, part: u32) -> u32 {
+    return select(select(VANE_UPPER, VANE_LOWER, part == s.lower), VANE_BARBS, part == 1u);
 }
 
 // A part as the eye sees it.
 fn part_eye(s: Shadowing, part: u32) -> PartEye {
-    var seen: PartEye;
-    if (part == 1u) {
-        seen = barb_eye(s.eye.shape, s.eye.layers);
-    } else if (part == s.lower) {
-        seen = lower_eye(s.eye.shape, s.eye.layers);
-    } else if (part != 0u) {
-        seen = upper_eye(s.eye.shape, s.eye.layers);
-    }
-    return seen;
+    return vane_part(s.eye.shape, s.eye.layers, vane_kind(s, part));
 }
 
-// What of light from a direction of the card reaches one part, seen as `seen`; `turn`: cosine of the azimuth between eye and light
+// What of a light reaches one part, seen as `seen`; `turn`: cosine of the azimuth between eye and light
 // around its fibres. `near`: the pixel sees a place on a barb, and not its whole silhouette.
-fn part_reach(s: Shadowing, seen: PartEye, direction: vec3<f32>, part: u32, turn: f32, near: bool) -> FibreReach {
-    let ray = vane_ray(s.eye, direction * s.mirror);
+fn part_reach(s: Shadowing, seen: PartEye, ray: VaneRay, part: u32, turn: f32, near: bool) -> FibreReach {
     if (part == 0u) {
         let open = mix(1.0, shaft_light(ray).even, s.beside);
         return FibreReach(open, open, 0.0, turn);
     }
-    var light: VaneLight;
-    if (part == 1u) {
-        light = barb_light(s.eye, seen, ray);
-    } else if (part == s.lower) {
-        light = lower_light(s.eye, seen, ray);
-    } else {
-        light = upper_light(s.eye, seen, ray);
-    }
+    let light = vane_light(s.eye, seen, ray, vane_kind(s, part));
     return FibreReach(select(light.mirror, light.lit, near), light.even, light.along, light.place);
 }

@@ -7,7 +7,8 @@
 #import bevy_plumage::footprint::{Footprint}
 #import bevy_plumage::masking::{Vane, mask_vane}
 #import bevy_plumage::math::{smooth_step}
-#import bevy_plumage::query_split::{line_part, line_share, outline_line, rachis_line, rachis_share, split_line}
+#import bevy_plumage::query::LOD_MEAN
+#import bevy_plumage::query_split::{line_part, line_rest, line_share, outline_line, rachis_line, rachis_share, split_line}
 
 // A vane that shows less of a footprint than this is left out.
 const LEAST_SHARE: f32 = 1e-3;
@@ -81,6 +82,18 @@ fn cover_vane(
     }
     let cut = split_line(footprint, first, resolves_parts(cell, vane, footprint, lod, threshold));
     var covered = vec3(0.0);
+    if parts_lod == LOD_MEAN {
+        // Averages are the same everywhere: nothing is resolved, and a pipeline of means need not hold how.
+        let part = line_rest(cut);
+        var mass = part.mass * outline.share;
+        if is_line {
+            mass = part.mass * scale * line_share(second, part.footprint);
+        }
+        if mass >= LEAST_PART {
+            covered = mass * part_coverage(cell, vane, part.footprint, lod, threshold);
+        }
+        return vec4(max(covered, vec3(0.0)) * begun, hook);
+    }
     for (var i = 0u; i < cut.parts; i++) {
         let part = line_part(cut, i);
         var mass = part.mass * outline.share;

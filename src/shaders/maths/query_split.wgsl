@@ -71,15 +71,23 @@ fn moved_part(cut: LineCut, mass: f32, mean: f32, variance: f32) -> Part {
     return Part(mass, Footprint(f.mean + c * mean, f.covariance - vec3(c.x * c.x, c.x * c.y, c.y * c.y) * less));
 }
 
-// Part `index` of a cut footprint, below `parts`.
-fn line_part(cut: LineCut, index: u32) -> Part {
-    if cut.line <= -FAR_SIGMAS || (cut.parts == 4u && index == 0u) {
+// All of a cut footprint that is inside, as one part.
+fn line_rest(cut: LineCut) -> Part {
+    if cut.line <= -FAR_SIGMAS {
         return Part(1.0, cut.footprint);
     }
+    let mass = normal_distribution(-cut.line);
+    let ratio = normal_density(cut.line) / max(mass, 1e-6);
+    return moved_part(cut, mass, ratio, clamp(1.0 + cut.line * ratio - ratio * ratio, 0.02, 1.0));
+}
+
+// Part `index` of a cut footprint, below `parts`.
+fn line_part(cut: LineCut, index: u32) -> Part {
     if cut.parts == 1u {
-        let mass = normal_distribution(-cut.line);
-        let ratio = normal_density(cut.line) / max(mass, 1e-6);
-        return moved_part(cut, mass, ratio, clamp(1.0 + cut.line * ratio - ratio * ratio, 0.02, 1.0));
+        return line_rest(cut);
+    }
+    if cut.line <= -FAR_SIGMAS || index == 0u && cut.parts == 4u {
+        return Part(1.0, cut.footprint);
     }
     let z = abs(cut.line);
     let beyond = normal_distribution(-z);
@@ -122,6 +130,10 @@ struct OutlineSight {
     slope: f32,
     rest: f32,
     count: u32,
+    // Of the nodes in sigmas of the root: the first, their distance, the variance that each stands for.
+    first: f32,
+    step: f32,
+    width: f32,
 }
 
 // `cotangent` of the angle of the barbs; `spacing` of the stored values. A split may be narrower than the footprint.
@@ -130,16 +142,20 @@ fn outline_sight(f: Footprint, cotangent: f32, spacing: f32) -> OutlineSight {
     let variance = max(cotangent * (cotangent * c.x + c.y + c.y) + c.z, 1e-20);
     let sigma = sqrt(variance);
     let slope = -(cotangent * c.x + c.y) / variance;
-    var count = 1u;
+    var s = OutlineSight(f.mean.y + f.mean.x * cotangent, sigma, -f.mean.x, slope, max(c.x - slope * slope * variance, 1e-20), 1u, 0.0, 0.0, 1.0);
     if sigma >= 0.2 * spacing {
-        count = u32(clamp(ceil(3.3 * sigma / spacing), 8.0, f32(MAX_OUTLINE_NODES)));
+        let count = clamp(ceil(3.3 * sigma / spacing), 8.0, f32(MAX_OUTLINE_NODES));
+        s.count = u32(count);
+        s.step = 6.0 / count;
+        s.first = 0.5 * s.step - 3.0;
+        s.width = s.step * s.step * (1.0 / 12.0);
     }
-    return OutlineSight(f.mean.y + f.mean.x * cotangent, sigma, -f.mean.x, slope, max(c.x - slope * slope * variance, 1e-20), count);
+    return s;
 }
 
 // Place of node `i` in sigmas of the root.
 fn outline_place(s: OutlineSight, i: u32) -> f32 {
-    return select((f32(i) + 0.5) * 6.0 / f32(s.count) - 3.0, 0.0, s.count == 1u);
+    return s.first + f32(i) * s.step;
 }
 
 // Root at which node `i` looks the outline up.
@@ -151,10 +167,8 @@ fn outline_root(s: OutlineSight, i: u32) -> f32 {
 // first is the footprint's share inside.
 fn outline_node(s: OutlineSight, i: u32, reach: vec2<f32>) -> vec2<f32> {
     let t = outline_place(s, i);
-    let step = 6.0 / f32(s.count);
-    let width = select(step * step * (1.0 / 12.0), 1.0, s.count == 1u);
     let steep = (reach.y - s.slope) * s.sigma;
-    let share = normal_distribution((reach.x - s.inset - s.slope * t * s.sigma) / sqrt(s.rest + steep * steep * width));
+    let share = normal_distribution((reach.x - s.inset - s.slope * t * s.sigma) * inverseSqrt(s.rest + steep * steep * s.width));
     return normal_density(t) * vec2(1.0, share);
 }
 

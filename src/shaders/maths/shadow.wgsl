@@ -7,6 +7,10 @@
 
 const SHADOW_TAU: f32 = 6.28318530717959;
 const SHADOW_LEAST_FACING: f32 = 1e-3;
+// Fibres of a vane: barbs, and the barbules that the eye meets first and then.
+const VANE_BARBS: u32 = 0u;
+const VANE_UPPER: u32 = 1u;
+const VANE_LOWER: u32 = 2u;
 
 // Where mirror lobes leave a fibre: azimuthal roughness, and places of entry and exit between the normal half way (0) and the
 // direction (1).
@@ -133,42 +137,42 @@ fn vane_eye(vane: Vane, direction: vec3<f32>, of_barb: MirrorPlace, of_barbule: 
     return VaneEye(shape, direction.z >= 0.0, storeys(shape, direction), of_barb, of_barbule);
 }
 
-fn part_eye(slope: f32, wide: f32) -> PartEye {
+// The fibres of one of VANE_BARBS, VANE_UPPER and VANE_LOWER as the eye sees them: what they share once, or a shader that asks for
+// them in a loop holds it three times.
+fn vane_part(shape: VaneShape, s: Storeys, kind: u32) -> PartEye {
+    let barbs = kind == VANE_BARBS;
+    let lower = kind == VANE_LOWER;
+    let slope = select(select(s.first.slope, s.second.slope, lower), s.slope, barbs);
+    let wide = select(select(s.first.wide, s.second.wide, lower), 2.0 * s.silhouette * shape.per_barb, barbs);
     var part: PartEye;
     part.across = cross_section(slope, 1.0);
     let reach = family_reach(wide);
     part.middle = family_middle(part.across, reach.y, 1.0);
     part.reach = reach.x;
     part.wide = max(wide, 1.0);
+    if barbs {
+        part.open = barb_open(shape, s);
+        return part;
+    }
+    part.gap = barb_gap(shape, s, select(1.5, -0.5, lower));
+    part.per_gap = 1.0 / max(part.gap.y - part.gap.x, 1e-6);
+    if lower {
+        part.open = max(1.0 - s.first.wide, 0.0);
+        let at = grating(shape, s.first, s.second);
+        part.shift = at.x;
+        part.ripple = 2.0 * at.y / max(part.open, 1e-3);
+    }
     return part;
 }
 
 // The barbs as the eye sees them.
-fn barb_eye(shape: VaneShape, s: Storeys) -> PartEye {
-    var part = part_eye(s.slope, 2.0 * s.silhouette * shape.per_barb);
-    part.open = barb_open(shape, s);
-    return part;
-}
+fn barb_eye(shape: VaneShape, s: Storeys) -> PartEye { return vane_part(shape, s, VANE_BARBS); }
 
 // The barbules that the eye meets first.
-fn upper_eye(shape: VaneShape, s: Storeys) -> PartEye {
-    var part = part_eye(s.first.slope, s.first.wide);
-    part.gap = barb_gap(shape, s, 1.5);
-    part.per_gap = 1.0 / max(part.gap.y - part.gap.x, 1e-6);
-    return part;
-}
+fn upper_eye(shape: VaneShape, s: Storeys) -> PartEye { return vane_part(shape, s, VANE_UPPER); }
 
 // The barbules that the eye sees through the gaps of the others.
-fn lower_eye(shape: VaneShape, s: Storeys) -> PartEye {
-    var part = part_eye(s.second.slope, s.second.wide);
-    part.gap = barb_gap(shape, s, -0.5);
-    part.per_gap = 1.0 / max(part.gap.y - part.gap.x, 1e-6);
-    part.open = max(1.0 - s.first.wide, 0.0);
-    let at = grating(shape, s.first, s.second);
-    part.shift = at.x;
-    part.ripple = 2.0 * at.y / max(part.open, 1e-3);
-    return part;
-}
+fn lower_eye(shape: VaneShape, s: Storeys) -> PartEye { return vane_part(shape, s, VANE_LOWER); }
 
 // A light, in the same frame.
 fn vane_ray(eye: VaneEye, direction: vec3<f32>) -> VaneRay {
@@ -221,55 +225,42 @@ fn shaft_light(ray: VaneRay) -> VaneLight {
     return VaneLight(open, open, open, 0.0, 1.0);
 }
 
-// The barbs.
-fn barb_light(eye: VaneEye, part: PartEye, ray: VaneRay) -> VaneLight {
-    let light = cross_section(ray.layers.slope, ray.up);
-    let reach = family_reach(2.0 * ray.layers.silhouette * eye.shape.per_barb);
-    let between = halfway(part.across, light);
-    let within = family_within(part, light, reach.x, ray.up, between, eye.of_barb);
-    let to_eye = within.y * mix(between.xy, part.across, eye.of_barb.retreat);
-    let to_light = within.y * mix(between.xy, light, eye.of_barb.retreat);
-    let seen = barb_reached(eye.shape, eye.layers, to_eye, 1.0);
-    var lit = barb_reached(eye.shape, ray.layers, to_light, ray.up);
-    // Eye and light over the same flank look through the same gaps.
-    if !ray.beyond && eye.layers.slope * ray.layers.slope > 0.0 {
-        lit = min(lit / max(seen, 1e-4), 1.0);
-    }
-    lit *= within.x;
-    return VaneLight(
-        lit * seen / max(part.open, 1e-3),
-        lit,
-        barb_open(eye.shape, ray.layers),
-        0.0,
-        dot(part.middle, family_middle(light, reach.y, ray.up)),
-    );
-}
-
-// The barbules that an eye meets first.
-fn upper_light(eye: VaneEye, part: PartEye, ray: VaneRay) -> VaneLight {
-    let light = cross_section(ray.upper.slope, ray.up);
-    let reach = family_reach(ray.upper.wide);
-    let within = family_within(part, light, reach.x, ray.up, halfway(part.across, light), eye.of_barbule).x;
-    var gap = between_barbs(eye.shape, part, ray, select(1.5, -0.5, ray.beyond));
-    if ray.beyond {
-        gap *= max(1.0 - ray.lower.wide, 0.0);
-    }
-    let mirror = within * part.wide * gap;
-    return VaneLight(mirror, mirror, reach.y * gap, 0.0, dot(part.middle, family_middle(light, reach.y, ray.up)));
-}
-
-// The barbules that an eye sees through the gaps of the others.
-fn lower_light(eye: VaneEye, part: PartEye, ray: VaneRay) -> VaneLight {
+// The fibres of one of VANE_BARBS, VANE_UPPER and VANE_LOWER.
+fn vane_light(eye: VaneEye, part: PartEye, ray: VaneRay, kind: u32) -> VaneLight {
     let shape = eye.shape;
-    let light = cross_section(ray.lower.slope, ray.up);
-    let reach = family_reach(ray.lower.wide);
+    let barbs = kind == VANE_BARBS;
+    let lower = kind == VANE_LOWER;
+    let slope = select(select(ray.upper.slope, ray.lower.slope, lower), ray.layers.slope, barbs);
+    let wide = select(select(ray.upper.wide, ray.lower.wide, lower), 2.0 * ray.layers.silhouette * shape.per_barb, barbs);
+    let mirror = MirrorPlace(
+        select(eye.of_barbule.blur, eye.of_barb.blur, barbs),
+        select(eye.of_barbule.retreat, eye.of_barb.retreat, barbs),
+    );
+    let light = cross_section(slope, ray.up);
+    let reach = family_reach(wide);
     let between = halfway(part.across, light);
-    let within = family_within(part, light, reach.x, ray.up, between, eye.of_barbule).x;
-    let gap = between_barbs(shape, part, ray, select(-0.5, 1.5, ray.beyond));
+    let within = family_within(part, light, reach.x, ray.up, between, mirror);
+    let place = dot(part.middle, family_middle(light, reach.y, ray.up));
+    if barbs {
+        let to_eye = within.y * mix(between.xy, part.across, mirror.retreat);
+        let to_light = within.y * mix(between.xy, light, mirror.retreat);
+        let seen = barb_reached(shape, eye.layers, to_eye, 1.0);
+        var lit = barb_reached(shape, ray.layers, to_light, ray.up);
+        // Eye and light over the same flank look through the same gaps.
+        if !ray.beyond && eye.layers.slope * ray.layers.slope > 0.0 {
+            lit = min(lit / max(seen, 1e-4), 1.0);
+        }
+        lit *= within.x;
+        return VaneLight(lit * seen / max(part.open, 1e-3), lit, barb_open(shape, ray.layers), 0.0, place);
+    }
+    var gap = between_barbs(shape, part, ray, select(1.5, -0.5, lower != ray.beyond));
     var through = 1.0;
     var even = 1.0;
     var along = 0.0;
-    if !ray.beyond {
+    if !lower && ray.beyond {
+        gap *= max(1.0 - ray.lower.wide, 0.0);
+    }
+    if lower && !ray.beyond {
         // From the very same place: the overlap of two gaps.
         even = max(1.0 - ray.upper.wide, 0.0);
         let height = 2.0 * shape.lift - ray.lower.family.radius * between.y;
@@ -280,6 +271,15 @@ fn lower_light(eye: VaneEye, part: PartEye, ray: VaneRay) -> VaneLight {
         let at = grating(shape, ray.upper, ray.lower);
         along = reach.y * gap * part.ripple * at.y * cos(SHADOW_TAU * (at.x - part.shift));
     }
-    let mirror = within * part.wide * through * gap;
-    return VaneLight(mirror, mirror, reach.y * even * gap, along, dot(part.middle, family_middle(light, reach.y, ray.up)));
+    let whole = within.x * part.wide * through * gap;
+    return VaneLight(whole, whole, reach.y * even * gap, along, place);
 }
+
+// The barbs.
+fn barb_light(eye: VaneEye, part: PartEye, ray: VaneRay) -> VaneLight { return vane_light(eye, part, ray, VANE_BARBS); }
+
+// The barbules that an eye meets first.
+fn upper_light(eye: VaneEye, part: PartEye, ray: VaneRay) -> VaneLight { return vane_light(eye, part, ray, VANE_UPPER); }
+
+// The barbules that an eye sees through the gaps of the others.
+fn lower_light(eye: VaneEye, part: PartEye, ray: VaneRay) -> VaneLight { return vane_light(eye, part, ray, VANE_LOWER); }

@@ -1,0 +1,324 @@
+//! A fibre as cards of the mean level of detail shade it: round, four terms of the series, and what does not depend on color or light
+//! taken out when a feather is packed. The same lobes as [`fibre_lobes`](super::fibre_lobes), less those of which no light is
+//! left ([`FibreTable::is_plain`]). Twin of `scattering_mean.wgsl`.
+
+use super::{
+    FIBRE_ROWS, FibreLobes, FibreReach, FibreRow, FibreTable, Lobe, LongitudinalSpread,
+    flat::ROUND,
+    frame::polar,
+    longitudinal_with,
+    shading::{FIRST_BLUR, TWICE_SILHOUETTE, damped},
+};
+use crate::maths::functions::{Real, clamp, real};
+use std::f64::consts::PI;
+
+/// Terms of the series.
+pub const MEAN_COSINES: usize = 4;
+/// vec4s before the rows of a table.
+///
+/// | vec4 | contents |
+/// |---|---|
+/// | 0 | R: sine and cosine of the shift, one over the squared roughness, what makes the integral 1/2 pi |
+/// | 1 | the same of TT (pigment) or TRcT (structural) |
+/// | 2 | lowest albedo f, 1/(1 - f), exponent and factor of the absorption of a color |
+/// | 3 | 1: structural, share c of round trips head on, half width of the edge of a dark back |
+pub const MEAN_HEAD_VEC4S: usize = 4;
+/// vec4s in one row; rows are those of [`FibreTable`].
+///
+/// | vec4 | pigment | structural |
+/// |---|---|---|
+/// | 0 | energy of R, TT, medulla; m1 | energy of R, TRcT, 0; share c of round trips |
+/// | 1 | R | R |
+/// | 2 | TT without absorption | TRcT |
+/// | 3 | TT at absorption 2 | |
+/// | 4 | t and k of TT and of the medulla | |
+/// | 5 | medulla: both terms; how fast light forgets its place around and along the fibre, times t | |
+///
+/// Terms are damped. What is not an energy itself is multiplied with that of its lobe, so rows are mixed linearly and an empty lobe
+/// does not pull the shape of its neighbor.
+pub const MEAN_ROW_VEC4S: usize = 6;
+/// vec4s of a table.
+pub const MEAN_TABLE_VEC4S: usize = MEAN_HEAD_VEC4S + FIBRE_ROWS * MEAN_ROW_VEC4S;
+
+/// Energy of a lobe below which it is left out.
+const LEAST_ENERGY: f64 = 1e-3;
+/// Least t of a law of absorption: below it the law is an exponential, and single precision loses it.
+const LEAST_T: f64 = 0.01;
+
+/// One row, or a mixture of two.
+pub type MeanRow<T> = [[T; 4]; MEAN_ROW_VEC4S];
+
+/// Everything about a fibre and the eye that the lights of a pixel share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeanShading<T> {
+    /// Energies of R, of TT or TRcT, and of the medulla, before color.
+    pub energy: [T; 3],
+    /// Terms of R, TT or TRcT, and the dense TT.
+    pub series: [[T; MEAN_COSINES]; 3],
+    /// Color of TT or TRcT.
+    pub second: [T; 3],
+    /// Color of the medulla's light.
+    pub scattered: [T; 3],
+    /// How far TT goes from the clear to the dense shape.
+    pub dense: [T; 3],
+    /// Medulla: both terms, and the slope in the sine of the light's inclination.
+    pub medulla: [T; 3],
+    /// How much of its light remembers where it entered, around the fibre and along it.
+    pub around: [T; 3],
+    /// See [`Self::around`].
+    pub along: [T; 3],
+    /// Sine and cosine of the eye's inclination: R; TT or TRcT.
+    pub eye: [(T, T); 2],
+    /// Of the same.
+    pub spread: [LongitudinalSpread<T>; 2],
+    /// Azimuth of the eye.
+    pub azimuth: [T; 2],
+    /// Half width of the transition to the dark back, and how dark the back is.
+    pub back: [T; 2],
+    /// Has a mirror core.
+    pub structural: bool,
+}
+
+impl FibreTable {
+    /// Whether R, the medulla and one more lobe are all there is of a round fibre: TRT has no light, nor TT beside a mirror core.
+    pub fn is_plain(&self) -> bool {
+        let p = self.fibre();
+        let dark = |lobe: Lobe| self.rows.iter().all(|r| r[0][lobe as usize] < LEAST_ENERGY);
+        p.aspect >= ROUND && dark(Lobe::TRT) && (!p.structural || dark(Lobe::TT))
+    }
+
+    /// For the GPU: what `scattering_mean.wgsl` reads, [`MEAN_TABLE_VEC4S`] vec4s.
+    pub fn pack_mean(&self) -> Vec<[f32; 4]> {
+        let rows = self.rows.iter().flat_map(|row| self.mean_row(row));
+        let all = self.mean_head().into_iter().chain(rows);
+        all.map(|v| v.map(|x| x as f32)).collect()
+    }
+
+    /// The vec4s before the rows.
+    pub fn mean_head(&self) -> [[f64; 4]; MEAN_HEAD_VEC4S] {
+        let p = self.fibre();
+        let lobe = |lobe: Lobe| {
+            let at = lobe as usize;
+            let (sine, cosine) = p.shift[at];
+            let LongitudinalSpread { inverse, scale } = p.spread[at];
+            [sine, cosine, inverse, 0.5 / PI * scale]
+        };
+        let second = if p.structural { Lobe::TRcT } else { Lobe::TT };
+        let t = p.color_t.max(LEAST_T);
+        let exponent = if p.color_kt > 1e-6 {
+            t / p.color_kt
+        } else {
+            0.0
+        };
+        [
+            lobe(Lobe::R),
+            lobe(second),
+            [p.fresnel, 1.0 / (1.0 - p.fresnel), -exponent, 1.0 / t],
+            [
+                f64::from(u8::from(p.structural)),
+                p.round_trips,
+                p.azimuthal_roughness,
+                0.0,
+            ],
+        ]
+    }
+
+    /// A row of [`FibreTable::rows`] as MEAN cards read it.
+    pub fn mean_row(&self, row: &FibreRow<f64>) -> MeanRow<f64> {
+        let p = self.fibre();
+        let blur = p.azimuthal_roughness.max(FIRST_BLUR / MEAN_COSINES as f64);
+        let terms = |at: usize, energy: f64| -> [f64; 4] {
+            let series = damped(row, at, blur, MEAN_COSINES as u32);
+            std::array::from_fn(|n| energy * series[n])
+        };
+        let [surface, through, _, fourth] = row[0];
+        let r = terms(5, surface);
+        if p.structural {
+            return [
+                [surface, fourth, 0.0, fourth * row[2][0]],
+                r,
+                terms(3, fourth),
+                [0.0; 4],
+                [0.0; 4],
+                [0.0; 4],
+            ];
+        }
+        let law = |kt: f64, t: f64| {
+            let t = t.max(LEAST_T);
+            [t, kt / t]
+        };
+        let [t, k] = law(row[1][0], row[1][1]);
+        let [medulla_t, medulla_k] = law(row[2][0], row[2][1]);
+        let slope = clamp(4.0 * row[3][0], -1.0, 1.0);
+        let medulla = [
+            2.0 * row[2][2],
+            2.0 * row[2][3],
+            row[3][1] * medulla_t,
+            row[3][2] * medulla_t,
+        ];
+        [
+            [surface, through, fourth, fourth * slope],
+            r,
+            terms(7, through),
+            terms(9, through),
+            [
+                through * t,
+                through * k,
+                fourth * medulla_t,
+                fourth * medulla_k,
+            ],
+            medulla.map(|x| fourth * x),
+        ]
+    }
+}
+
+/// A mixture of two rows.
+pub fn mean_row_mix<T: Real>(a: &MeanRow<T>, b: &MeanRow<T>, fraction: T) -> MeanRow<T> {
+    std::array::from_fn(|v| std::array::from_fn(|i| a[v][i] + (b[v][i] - a[v][i]) * fraction))
+}
+
+/// Prepares a fibre for the lights of one pixel; see [`fibre_shading`](super::fibre_shading). `frequency`: see
+/// [`fibre_along`](super::fibre_along), 0 where no shadow lies along the fibre.
+pub fn mean_shading<T: Real>(
+    head: &[[T; 4]; MEAN_HEAD_VEC4S],
+    row: &MeanRow<T>,
+    albedo: [T; 3],
+    omega_o: [T; 3],
+    dark_back: T,
+    frequency: T,
+) -> MeanShading<T> {
+    let (zero, one) = (T::zero(), T::one());
+    let ((sine, cosine), azimuth) = polar(omega_o);
+    let eye = [head[0], head[1]]
+        .map(|[s, c, _, _]| (sine * c - cosine * s, (cosine * c + sine * s).abs()));
+    let spread =
+        [head[0], head[1]].map(|[_, _, inverse, scale]| LongitudinalSpread { inverse, scale });
+    let [fresnel, per_rest, exponent, per_t] = head[2];
+    let structural = head[3][0] > real(0.5);
+    let forward = if sine < zero { -one } else { one };
+    let [_, second, fourth, last] = row[0];
+    let per = |energy: T| one / energy.max(real(1e-9));
+    let last = last * per(if structural { second } else { fourth });
+    let [t, k] = [row[4][0], row[4][1]].map(|x| x * per(second));
+    let of_medulla = [row[4][2], row[4][3], row[5][2], row[5][3]].map(|x| x * per(fourth));
+    let [medulla_t, medulla_k, around, along] = of_medulla;
+    let mut s = MeanShading {
+        energy: [row[0][0], row[0][1], row[0][2]],
+        series: [row[1], row[2], row[3]],
+        second: [zero; 3],
+        scattered: [zero; 3],
+        dense: [zero; 3],
+        medulla: [row[5][0], row[5][1], last * forward],
+        around: [zero; 3],
+        along: [zero; 3],
+        eye,
+        spread,
+        azimuth,
+        back: [head[3][2], clamp(dark_back, zero, one)],
+        structural,
+    };
+    for c in 0..3 {
+        let y = (clamp(albedo[c], fresnel + real(0.002), real(0.995)) - fresnel) * per_rest;
+        if structural {
+            // Core and round trips in one fraction.
+            let (head_on, here) = (head[3][1], last);
+            s.second[c] = y * (one - here) / (one - head_on + (head_on - here) * y);
+            continue;
+        }
+        let grown = (y.log2() * exponent).min(real(86.0)).exp2();
+        let sigma = ((grown - one) * per_t).min(real(1e4));
+        s.dense[c] = ((sigma + sigma) / (real::<T>(2.0) + sigma)).min(real(1.3));
+        s.second[c] = (-k * (one + sigma * t).log2()).exp2();
+        let paths = one + sigma * medulla_t;
+        let before = paths.log2();
+        s.scattered[c] = (-medulla_k * before).exp2();
+        let memory = |rate: T| (medulla_k * (before - (paths + rate).log2())).exp2();
+        s.around[c] = memory(around) * real(TWICE_SILHOUETTE);
+        if frequency > zero {
+            let left = memory(along);
+            s.along[c] = left / (left + frequency * (one - left)).max(real(1e-6));
+        }
+    }
+    s
+}
+
+/// Energies of R, of TT or TRcT, and of the medulla.
+pub fn mean_energies<T: Real>(s: &MeanShading<T>) -> (T, [T; 3], [T; 3]) {
+    (
+        s.energy[0],
+        s.second.map(|x| s.energy[1] * x),
+        s.scattered.map(|x| s.energy[2] * x),
+    )
+}
+
+/// K for light from `omega_i`, by how its light moves inside the fibre; see [`fibre_lobes`](super::fibre_lobes).
+pub fn mean_lobes<T: Real>(s: &MeanShading<T>, omega_i: [T; 3]) -> FibreLobes<T> {
+    let (zero, one, two) = (T::zero(), T::one(), real::<T>(2.0));
+    let (light, azimuth) = polar(omega_i);
+    let o = s.azimuth;
+    let turn = clamp(o[0] * azimuth[0] + o[1] * azimuth[1], -one, one);
+    let second = two * turn * turn - one;
+    let cosines = [
+        turn,
+        second,
+        turn * (two * second - one),
+        two * second * second - one,
+    ];
+    let density = |energy: T, terms: &[T; MEAN_COSINES]| {
+        terms
+            .iter()
+            .zip(cosines)
+            .fold(energy, |sum, (a, b)| sum + *a * b)
+    };
+    let m = |i: usize| longitudinal_with(s.eye[i], light, s.spread[i]);
+    let surface = density(s.energy[0], &s.series[0]).max(zero) * m(0);
+    let clear = density(s.energy[1], &s.series[1]);
+    if s.structural {
+        let raw = [o[0] + azimuth[0], o[1] + azimuth[1]];
+        let square = raw[0] * raw[0] + raw[1] * raw[1];
+        let half = if square > real(1e-12) {
+            raw[1] / square.sqrt()
+        } else {
+            -o[0]
+        };
+        let b = s.back[0];
+        let x = clamp((half + b) / (b + b), zero, one);
+        let lit = x * x * (real::<T>(3.0) - x - x);
+        let core = clear.max(zero) * m(1) * (one + (lit - one) * s.back[1]);
+        return FibreLobes {
+            mirror: s.second.map(|color| surface + color * core),
+            even: [zero; 3],
+            turn,
+        };
+    }
+    let through = m(1);
+    let dense = density(s.energy[1], &s.series[2]);
+    let [first, twice, slope] = s.medulla;
+    let scattered = (s.energy[2] + first * turn + twice * second).max(zero)
+        * light.1
+        * (one + slope * light.0).max(zero)
+        * real(1.0 / (PI * PI));
+    FibreLobes {
+        mirror: [surface; 3],
+        even: std::array::from_fn(|c| {
+            let tt = (clear + (dense - clear) * s.dense[c]).max(zero) * through;
+            s.second[c] * tt + s.scattered[c] * scattered
+        }),
+        turn,
+    }
+}
+
+/// K of a fibre among others; see [`fibre_lit`](super::fibre_lit).
+pub fn mean_lit<T: Real>(
+    s: &MeanShading<T>,
+    lobes: &FibreLobes<T>,
+    reach: &FibreReach<T>,
+) -> [T; 3] {
+    let (zero, one) = (T::zero(), T::one());
+    std::array::from_fn(|c| {
+        let share = (reach.even + reach.along * s.along[c]).max(zero);
+        let around = (one + s.around[c] * reach.place).max(zero)
+            / (one + s.around[c] * lobes.turn).max(real(0.1));
+        reach.mirror * lobes.mirror[c] + (share * around).min(one + one) * lobes.even[c]
+    })
+}
