@@ -76,6 +76,8 @@ pub struct FeatherPipelineKey {
     pub drawn: DrawnCards,
     /// `FeatherSettings::order_window` is open.
     pub ordered: bool,
+    /// `FeatherMaterial::iridescent`.
+    pub iridescent: bool,
 }
 
 impl FeatherPipelineKey {
@@ -134,6 +136,9 @@ impl FeatherPipelineKey {
         }
         if self.lights_together {
             defs.push("LIGHTS_TOGETHER".into());
+        }
+        if self.iridescent {
+            defs.push("IRIDESCENT".into());
         }
         if self.debug {
             defs.push("DEBUG_VIEW".into());
@@ -307,14 +312,17 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
         DrawnCards::Far,
         DrawnCards::Mean,
     ];
-    // What of sampled environment, lights together, overdraw and debug goes together.
+    // What of sampled environment, lights together, overdraw, debug and thin layers goes together.
     let shown = [
-        [false, false, false, false],
-        [true, false, false, false],
-        [false, true, false, false],
-        [true, true, false, false],
-        [false, false, true, false],
-        [false, false, false, true],
+        [false, false, false, false, false],
+        [true, false, false, false, false],
+        [false, true, false, false, false],
+        [true, true, false, false, false],
+        [false, false, true, false, false],
+        [false, false, false, true, false],
+        [false, false, false, false, true],
+        [true, true, false, false, true],
+        [false, false, false, true, true],
     ];
     let mut keys = Vec::new();
     for coverage_method in methods {
@@ -323,7 +331,17 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
                 let flags = shown
                     .iter()
                     .flat_map(|flags| [(*flags, false), (*flags, true)]);
-                for ([sampled_environment, lights_together, overdraw, debug], ordered) in flags {
+                for (
+                    [
+                        sampled_environment,
+                        lights_together,
+                        overdraw,
+                        debug,
+                        iridescent,
+                    ],
+                    ordered,
+                ) in flags
+                {
                     let key = FeatherPipelineKey {
                         coverage_method,
                         transparency,
@@ -333,6 +351,7 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
                         debug,
                         drawn,
                         ordered,
+                        iridescent,
                     };
                     let made = match drawn {
                         DrawnCards::Own => true,

@@ -9,7 +9,7 @@ use crate::{
     anatomy::{CONTOUR_ROWS, RACHIS_ROWS},
     maths::{
         query::Lod,
-        scattering::{KEPT_AZIMUTHS, KEPT_LEVELS, SHEEN_TABLE_SIZE},
+        scattering::{KEPT_AZIMUTHS, KEPT_LEVELS, SHEEN_TABLE_SIZE, interference::STACK_TEXELS},
     },
     shaders::{ConstantLayout, StructLayout},
 };
@@ -59,6 +59,10 @@ pub fn constant_layouts() -> Vec<ConstantLayout> {
             ("CARD_MIXED", Lod::Mixed as usize),
         ],
     );
+    all.extend(in_file(
+        "maths/interference.wgsl",
+        &[("STACK_TEXELS", STACK_TEXELS)],
+    ));
     all.extend(in_file(
         "maths/query.wgsl",
         &[

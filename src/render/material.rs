@@ -159,6 +159,7 @@ impl From<&FeatherMaterial> for FeatherPipelineKey {
             debug: !shaded && !overdraw,
             drawn: material.drawn,
             ordered: material.settings.order_window > 0.0,
+            iridescent: material.iridescent,
         }
     }
 }
@@ -174,6 +175,8 @@ pub struct FeatherMaterial {
     pub transparency: FeatherTransparency,
     /// Which fragments this material draws; the plugin makes materials for the rest.
     pub drawn: DrawnCards,
+    /// Some feather has thin layers.
+    pub iridescent: bool,
     /// Feathers and fibre tables, laid out as `shaders/feather_data.wgsl` reads them.
     #[storage(1, read_only)]
     pub feathers: Handle<ShaderBuffer>,

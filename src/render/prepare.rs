@@ -4,6 +4,7 @@ use super::{
     key::FeatherTransparency,
     material::{FeatherMaterial, FeatherSettings},
     pack::{TableCache, albedo_array, pack_cards, pack_feathers, same_paint},
+    stacks::StackWork,
     wind,
 };
 use crate::{
@@ -23,6 +24,7 @@ pub(super) struct PreparePlugin;
 impl Plugin for PreparePlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<FeatherSets>()
+            .init_resource::<StackWork>()
             .init_resource::<PlumageMemory>()
             .init_resource::<PlumageWork>();
     }
@@ -113,6 +115,7 @@ fn refresh_feathers(
     mut commands: Commands,
     mut events: MessageReader<AssetEvent<Feather>>,
     mut sets: ResMut<FeatherSets>,
+    mut stacks: ResMut<StackWork>,
     mut work: ResMut<PlumageWork>,
     birds: Query<(Entity, &PlumageCards), With<MeshMaterial3d<FeatherMaterial>>>,
     feathers: Res<Assets<Feather>>,
@@ -126,7 +129,7 @@ fn refresh_feathers(
         if !ids.iter().any(|id| modified.contains(id)) {
             return true;
         }
-        if refresh_in_place(set, ids, &feathers, &mut buffers) {
+        if refresh_in_place(set, ids, &feathers, &mut stacks, &mut buffers) {
             work.feather_buffers += 1;
             return true;
         }
@@ -146,6 +149,7 @@ fn refresh_in_place(
     set: &mut FeatherSet,
     ids: &[AssetId<Feather>],
     feathers: &Assets<Feather>,
+    stacks: &mut StackWork,
     buffers: &mut Assets<ShaderBuffer>,
 ) -> bool {
     let Some(now) = ids
@@ -158,6 +162,11 @@ fn refresh_in_place(
     if !now.iter().zip(&set.packed).all(|(a, b)| same_paint(a, b)) {
         return false;
     }
+    // Layers that are not computed yet are waited for.
+    let Some(tables) = stacks.tables(&now) else {
+        return false;
+    };
+    set.tables.stacks = tables;
     let data = pack_feathers(&now, &mut set.tables);
     if data.len() as u64 != set.bytes.0 {
         return false;
@@ -190,7 +199,7 @@ fn feather_ids(cards: &PlumageCards) -> Vec<AssetId<Feather>> {
 fn prepare_materials(
     mut commands: Commands,
     server: Res<AssetServer>,
-    mut sets: ResMut<FeatherSets>,
+    (mut sets, mut stacks): (ResMut<FeatherSets>, ResMut<StackWork>),
     mut work: ResMut<PlumageWork>,
     bare: Query<
         (Entity, &PlumageCards, &Mesh3d, Option<&FeathersOf>),
@@ -230,7 +239,10 @@ fn prepare_materials(
             {
                 continue;
             }
-            let mut tables = TableCache::default();
+            let Some(colors) = stacks.tables(&assets) else {
+                continue;
+            };
+            let mut tables = TableCache::with_stacks(colors);
             let data = pack_feathers(&assets, &mut tables);
             let albedo = albedo_array(&assets, images);
             let albedo_bytes = albedo.data.as_ref().map_or(0, |data| data.len() as u64);
@@ -263,6 +275,7 @@ fn prepare_materials(
             settings: quality.settings,
             transparency: quality.transparency,
             drawn: default(),
+            iridescent: set.packed.iter().any(|f| f.iridescence.is_some()),
             feathers: set.feathers.clone(),
             cards: buffers.add(upload(records, "feather_cards")),
             lod: buffers.add(upload(lod, "feather_lod")),

@@ -156,7 +156,7 @@ impl Iridescence {
             tilt: 0.0,
             rise: 0.0,
             back: 1.0,
-            ..*stack
+            ..stack.limited()
         };
         bare(self) == bare(other)
     }
