@@ -8,7 +8,7 @@
 use super::v1;
 use crate::{
     asset::{AssetError, RonAsset, parse},
-    maths::scattering::Optics,
+    maths::scattering::{Optics, interference::Iridescence},
     parameter::{Length, Parameter},
 };
 use bevy::{
@@ -51,6 +51,9 @@ pub struct Feather {
     /// Fibre optics.
     #[serde(default)]
     pub optics: Optics,
+    /// Thin layers that make the dark parts of its barbules shimmer; none in most feathers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub iridescence: Option<Iridescence>,
     /// The image that `albedo.image` names; the loader fills it in.
     #[serde(skip)]
     #[dependency]
@@ -282,6 +285,7 @@ impl Default for Feather {
             gaps: Gaps::default(),
             albedo: Albedo::default(),
             optics: Optics::default(),
+            iridescence: None,
             image: None,
         }
     }

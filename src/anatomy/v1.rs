@@ -67,6 +67,7 @@ impl From<Feather> for super::Feather {
                 share: old.albedo.share,
             },
             optics: old.optics,
+            iridescence: None,
             image: None,
         }
     }

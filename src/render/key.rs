@@ -78,6 +78,8 @@ pub struct FeatherPipelineKey {
     pub ordered: bool,
     /// Fibres are read from the short tables of MEAN cards.
     pub plain: bool,
+    /// `FeatherMaterial::iridescent`.
+    pub iridescent: bool,
 }
 
 impl FeatherPipelineKey {
@@ -95,7 +97,7 @@ impl FeatherPipelineKey {
     /// short form of them, unless more than their color is asked of the fibres.
     pub fn with_plain_fibres(self, plain: bool) -> Self {
         let short = self.drawn == DrawnCards::Mean
-            && !(self.sampled_environment || self.overdraw || self.debug);
+            && !(self.sampled_environment || self.overdraw || self.debug || self.iridescent);
         Self {
             plain: plain && short,
             ..self
@@ -147,6 +149,9 @@ impl FeatherPipelineKey {
         }
         if self.lights_together {
             defs.push("LIGHTS_TOGETHER".into());
+        }
+        if self.iridescent {
+            defs.push("IRIDESCENT".into());
         }
         if self.debug {
             defs.push("DEBUG_VIEW".into());
@@ -323,14 +328,17 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
         DrawnCards::Far,
         DrawnCards::Mean,
     ];
-    // What of sampled environment, lights together, overdraw and debug goes together.
+    // What of sampled environment, lights together, overdraw, debug and thin layers goes together.
     let shown = [
-        [false, false, false, false],
-        [true, false, false, false],
-        [false, true, false, false],
-        [true, true, false, false],
-        [false, false, true, false],
-        [false, false, false, true],
+        [false, false, false, false, false],
+        [true, false, false, false, false],
+        [false, true, false, false, false],
+        [true, true, false, false, false],
+        [false, false, true, false, false],
+        [false, false, false, true, false],
+        [false, false, false, false, true],
+        [true, true, false, false, true],
+        [false, false, false, true, true],
     ];
     let mut keys = Vec::new();
     for coverage_method in methods {
@@ -339,7 +347,17 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
                 let flags = shown
                     .iter()
                     .flat_map(|flags| [(*flags, false), (*flags, true)]);
-                for ([sampled_environment, lights_together, overdraw, debug], ordered) in flags {
+                for (
+                    [
+                        sampled_environment,
+                        lights_together,
+                        overdraw,
+                        debug,
+                        iridescent,
+                    ],
+                    ordered,
+                ) in flags
+                {
                     let key = FeatherPipelineKey {
                         coverage_method,
                         transparency,
@@ -350,6 +368,7 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
                         drawn,
                         ordered,
                         plain: false,
+                        iridescent,
                     };
                     let made = match drawn {
                         DrawnCards::Own => true,

@@ -11,7 +11,7 @@ use crate::{
         query::Lod,
         scattering::{
             KEPT_AZIMUTHS, KEPT_LEVELS, MEAN_HEAD_VEC4S, MEAN_ROW_VEC4S, MEAN_TABLE_VEC4S,
-            SHEEN_TABLE_SIZE,
+            SHEEN_TABLE_SIZE, interference::STACK_TEXELS,
         },
     },
     shaders::{ConstantLayout, StructLayout},
@@ -69,6 +69,10 @@ pub fn constant_layouts() -> Vec<ConstantLayout> {
             ("MEAN_ROW_LENGTH", MEAN_ROW_VEC4S),
             ("MEAN_TABLE_LENGTH", MEAN_TABLE_VEC4S),
         ],
+    ));
+    all.extend(in_file(
+        "maths/interference.wgsl",
+        &[("STACK_TEXELS", STACK_TEXELS)],
     ));
     all.extend(in_file(
         "maths/query.wgsl",

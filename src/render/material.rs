@@ -160,6 +160,7 @@ impl From<&FeatherMaterial> for FeatherPipelineKey {
             drawn: material.drawn,
             ordered: material.settings.order_window > 0.0,
             plain: false,
+            iridescent: material.iridescent,
         };
         key.with_plain_fibres(material.plain)
     }
@@ -178,6 +179,8 @@ pub struct FeatherMaterial {
     pub drawn: DrawnCards,
     /// All fibres are plain ([`FibreTable::is_plain`](crate::maths::scattering::FibreTable::is_plain)): MEAN cards take their short form.
     pub plain: bool,
+    /// Some feather has thin layers.
+    pub iridescent: bool,
     /// Feathers and fibre tables, laid out as `shaders/feather_data.wgsl` reads them.
     #[storage(1, read_only)]
     pub feathers: Handle<ShaderBuffer>,

@@ -33,6 +33,7 @@ mod order;
 pub mod pack;
 mod prepare;
 mod specialize;
+mod stacks;
 mod wind;
 
 pub use key::{CoverageMethod, DrawnCards, FeatherTransparency};

@@ -4,6 +4,7 @@ use super::{
     key::FeatherTransparency,
     material::{FeatherMaterial, FeatherSettings},
     pack::{TableCache, albedo_array, pack_cards, pack_feathers, same_paint},
+    stacks::StackWork,
     wind,
 };
 use crate::{
@@ -23,6 +24,7 @@ pub(super) struct PreparePlugin;
 impl Plugin for PreparePlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<FeatherSets>()
+            .init_resource::<StackWork>()
             .init_resource::<PlumageMemory>()
             .init_resource::<PlumageWork>();
     }
@@ -115,6 +117,7 @@ fn refresh_feathers(
     mut commands: Commands,
     mut events: MessageReader<AssetEvent<Feather>>,
     mut sets: ResMut<FeatherSets>,
+    mut stacks: ResMut<StackWork>,
     mut work: ResMut<PlumageWork>,
     birds: Query<(Entity, &PlumageCards), With<MeshMaterial3d<FeatherMaterial>>>,
     feathers: Res<Assets<Feather>>,
@@ -128,7 +131,7 @@ fn refresh_feathers(
         if !ids.iter().any(|id| modified.contains(id)) {
             return true;
         }
-        if refresh_in_place(set, ids, &feathers, &mut buffers) {
+        if refresh_in_place(set, ids, &feathers, &mut stacks, &mut buffers) {
             work.feather_buffers += 1;
             return true;
         }
@@ -148,6 +151,7 @@ fn refresh_in_place(
     set: &mut FeatherSet,
     ids: &[AssetId<Feather>],
     feathers: &Assets<Feather>,
+    stacks: &mut StackWork,
     buffers: &mut Assets<ShaderBuffer>,
 ) -> bool {
     let Some(now) = ids
@@ -160,6 +164,11 @@ fn refresh_in_place(
     if !now.iter().zip(&set.packed).all(|(a, b)| same_paint(a, b)) {
         return false;
     }
+    // Layers that are not computed yet are waited for.
+    let Some(tables) = stacks.tables(&now) else {
+        return false;
+    };
+    set.tables.stacks = tables;
     let data = pack_feathers(&now, &mut set.tables);
     // Other pipelines where fibres have become plain, or are so no longer.
     if data.len() as u64 != set.bytes.0 || set.tables.is_plain() != set.plain {
@@ -193,7 +202,7 @@ fn feather_ids(cards: &PlumageCards) -> Vec<AssetId<Feather>> {
 fn prepare_materials(
     mut commands: Commands,
     server: Res<AssetServer>,
-    mut sets: ResMut<FeatherSets>,
+    (mut sets, mut stacks): (ResMut<FeatherSets>, ResMut<StackWork>),
     mut work: ResMut<PlumageWork>,
     bare: Query<
         (Entity, &PlumageCards, &Mesh3d, Option<&FeathersOf>),
@@ -233,7 +242,10 @@ fn prepare_materials(
             {
                 continue;
             }
-            let mut tables = TableCache::default();
+            let Some(colors) = stacks.tables(&assets) else {
+                continue;
+            };
+            let mut tables = TableCache::with_stacks(colors);
             let data = pack_feathers(&assets, &mut tables);
             let albedo = albedo_array(&assets, images);
             let albedo_bytes = albedo.data.as_ref().map_or(0, |data| data.len() as u64);
@@ -268,6 +280,7 @@ fn prepare_materials(
             transparency: quality.transparency,
             drawn: default(),
             plain: set.plain,
+            iridescent: set.packed.iter().any(|f| f.iridescence.is_some()),
             feathers: set.feathers.clone(),
             cards: buffers.add(upload(records, "feather_cards")),
             lod: buffers.add(upload(lod, "feather_lod")),

@@ -56,10 +56,12 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "maths/scattering_mean.wgsl");
         load_shader_library!(app, "maths/scattering_near.wgsl");
         load_shader_library!(app, "maths/scattering_sample.wgsl");
+        load_shader_library!(app, "maths/interference.wgsl");
         load_shader_library!(app, "maths/sheen.wgsl");
         load_shader_library!(app, "maths/down_transfer.wgsl");
         load_shader_library!(app, "maths/down_strands.wgsl");
         load_shader_library!(app, "card/feather_data.wgsl");
+        load_shader_library!(app, "card/feather_iridescence.wgsl");
         load_shader_library!(app, "card/feather_io.wgsl");
         load_shader_library!(app, "maths/wind.wgsl");
         load_shader_library!(app, "maths/order.wgsl");

@@ -7,6 +7,7 @@ mod card_gpu;
 mod downs;
 mod feathers;
 mod grooms;
+mod iridescence;
 mod layouts;
 mod loader;
 mod mutations;

@@ -4,10 +4,13 @@
 
 mod curves_plugin;
 mod curves_rays;
+mod facets;
 mod feather;
 mod fibre;
 mod gpu;
+mod gpu_facets;
 mod gpu_near;
+mod interference;
 mod judged;
 mod mean;
 mod near;

@@ -1,9 +1,11 @@
 //! The feathers and grooms that are shipped with the library, read from its files.
 
-use bevy_plumage::{anatomy::Feather, asset::RonAsset, groom::Groom};
+use bevy_plumage::{
+    anatomy::Feather, asset::RonAsset, groom::Groom, maths::scattering::interference::Iridescence,
+};
 
 /// The names of all feathers: the macaw's, the eagle's, one neutral feather of each type.
-pub const FEATHERS: [&str; 40] = [
+pub const FEATHERS: [&str; 44] = [
     "macaw_head",
     "macaw_face_line",
     "macaw_neck",
@@ -44,6 +46,10 @@ pub const FEATHERS: [&str; 40] = [
     "hackle",
     "bristle",
     "filoplume",
+    "peacock_eye",
+    "mallard_speculum",
+    "pigeon_neck",
+    "hummingbird_gorget",
 ];
 
 /// The asset in a file below `assets/`.
@@ -67,4 +73,17 @@ pub fn feathers() -> Vec<Feather> {
 /// The groom of this name.
 pub fn groom(name: &str) -> Groom {
     read(&format!("grooms/{name}.groom.ron"))
+}
+
+/// Published stacks of thin layers, by name.
+pub fn stacks() -> Vec<(String, Iridescence)> {
+    let path = crate::asset("stacks.ron");
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{error}"));
+    ron::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The stack of this name.
+pub fn stack(name: &str) -> Iridescence {
+    let found = stacks().into_iter().find(|(known, _)| known == name);
+    found.unwrap_or_else(|| panic!("no stack {name}")).1
 }

@@ -8,6 +8,8 @@
 //! | [`fibre_traced`] | rays through a real fibre |
 //! | [`fibre_published`] | the fibre's scattering as printed |
 //! | [`curves`] | a feather of explicit fibres |
+//! | [`thin_film`] | thin films by recursion, their energy layer by layer |
+//! | [`color_difference`] | CIEDE2000 |
 //! | [`crossing`] | how far feathers poke through those that should cover them |
 //! | [`visible`] | pixels that show a feather which another one should cover |
 //! | [`photograph`] | synthetic photographs of feathers |
@@ -15,6 +17,7 @@
 //!
 //! It may use the library; the library may not use it.
 
+pub mod color_difference;
 pub mod coverage;
 pub mod crossing;
 pub mod curves;
@@ -23,5 +26,6 @@ pub mod fibre_traced;
 pub mod judged;
 pub mod photograph;
 pub mod query_published;
+pub mod thin_film;
 pub mod undercoat;
 pub mod visible;

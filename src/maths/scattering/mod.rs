@@ -17,6 +17,7 @@ mod feather;
 mod fibre;
 mod flat;
 mod frame;
+pub mod interference;
 mod kept;
 mod lobes;
 mod longitudinal;

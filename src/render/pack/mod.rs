@@ -6,8 +6,10 @@
 mod albedo;
 mod cards;
 mod mips;
+mod stacks;
 mod tables;
 
 pub use albedo::{albedo_array, albedo_front, same_paint};
 pub use cards::{CARD_VEC4S, MAX_REGIONS, pack_cards};
+pub use stacks::{StackTables, find as find_stack};
 pub use tables::{FEATHER_STRIDE, HEADER_LENGTH, TableCache, header, pack_feathers};

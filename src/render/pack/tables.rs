@@ -1,5 +1,6 @@
 //! Feathers and their fibre tables as the shaders read them (`feather_data.wgsl`).
 
+use super::stacks::{self, StackTables};
 use crate::{
     anatomy::{CONTOUR_ROWS, Feather, RACHIS_ROWS, Side},
     maths::query::{CardVane, Vane},
@@ -19,7 +20,7 @@ pub mod header {
     pub const LEFT_VANE: usize = 1;
     /// Likewise.
     pub const RIGHT_VANE: usize = 4;
-    /// Strength and roughness.
+    /// Strength and roughness; place of the thin layers in the buffer, 0: none.
     pub const SHEEN: usize = 7;
     /// Parameters of the four fibres, `FIBRE_PARAMETER_VEC4S` each: rachis, barb, distal, proximal.
     pub const FIBRES: usize = 8;
@@ -49,6 +50,18 @@ const TABLE_STEP: usize = 8;
 pub struct TableCache {
     tables: Vec<(Fibre, FibreTable)>,
     kept: Vec<Kept>,
+    /// Colors of thin layers.
+    pub(crate) stacks: StackTables,
+}
+
+impl TableCache {
+    /// A cache that knows the colors of these layers.
+    pub fn with_stacks(stacks: StackTables) -> Self {
+        Self {
+            stacks,
+            ..Self::default()
+        }
+    }
 }
 
 impl TableCache {
@@ -85,6 +98,7 @@ pub fn pack_feathers(feathers: &[&Feather], cache: &mut TableCache) -> Vec<u8> {
         tables.len() as f32,
         first_mean as f32,
     ];
+    stacks::append(feathers, &mut rows, &mut found.stacks, &known.stacks);
     *cache = found;
     rows.iter()
         .flatten()

@@ -23,6 +23,9 @@
 #import bevy_plumage::feather_debug::{VIEW_LOBE, debug_color}
 #import bevy_plumage::scattering::fibre_energy_split
 #endif
+#ifdef IRIDESCENT
+#import bevy_plumage::feather_iridescence::{shimmer_let_in, shimmer_lobe, shimmer_mirror, shimmer_of, shimmer_roughness}
+#endif
 #ifdef SAMPLED_ENVIRONMENT
 #import bevy_plumage::feather_environment::sampled_environment
 #endif
@@ -272,6 +275,11 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
                 harmonics = fibre_terms(settings.threshold, fibre.parameters.azimuthal_roughness);
             }
             var shading = fibre_shading(fibre.parameters, fibre.row, single, fibre.eye, shape.w, harmonics);
+#ifdef IRIDESCENT
+            let tipward = in_fibre(tangent, frame.hand, vec3(fibre_tangent(BARB, angles, covered.right, slope, shape.x), 0.0)).y;
+            let shimmer = shimmer_of(base, part, fibre.eye, tipward, painted);
+            shading = shimmer_let_in(shading, shimmer);
+#endif
             if (part == shadowing.lower) {
                 shading.along = fibre_along(fibre.parameters, fibre.row, shading.absorption, shadowing.frequency);
             }
@@ -317,6 +325,15 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
 #endif
                 let everywhere = 0.5 * (around.irradiance + behind.irradiance);
                 radiance += (indirect + again * everywhere) * open;
+#ifdef IRIDESCENT
+                if (shimmer.share > 0.0) {
+                    let m = shimmer_mirror(shimmer);
+                    let local = vec3(m.x * tangent + m.y * frame.hand * vec2(tangent.y, -tangent.x), m.z);
+                    let there = local.x * frame.across + local.y * frame.along + local.z * frame.normal;
+                    let mirrored = light::environment(seen, eye_side, there, shimmer_roughness(shimmer.facets));
+                    radiance += shimmer.energy * before.x * mirrored.radiance * open;
+                }
+#endif
                 passed += weight;
             }
 #ifdef PLAIN_FIBRES
@@ -343,6 +360,9 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
                     let lobes = fibre_lobes(shading, in_fibre(tangent, frame.hand, there.xyz));
                     let reach = part_reach(shadowing, part_seen, rays[i], part, lobes.turn, false);
                     radiance += batch[i].color * (fibre_lit(shading, lobes, reach) + again * there.w);
+#ifdef IRIDESCENT
+                    radiance += batch[i].color * reach.mirror * shimmer_lobe(shimmer, in_fibre(tangent, frame.hand, there.xyz));
+#endif
                 }
             }
 #endif

@@ -1,11 +1,12 @@
 //! Feathers made in code: two birds and one neutral feather per type. Only numbers of feathers live here.
 //!
 //! `macaw_*` and `eagle_*` follow docs/book/birds.md#sources-of-the-data; the neutral ones
-//! take the medians of measured birds. The tool `bake_feathers` makes the files in `assets/feathers` from these.
+//! take the medians of measured birds, and four shimmer. The tool `bake_feathers` makes the files in `assets/feathers` from these.
 //! The left vane is the leading, narrower one of a flight feather; grooms mirror it where needed.
 
 mod eagle;
 mod generic;
+mod iridescent;
 mod macaw;
 mod profiles;
 mod template;
@@ -21,14 +22,15 @@ fn templates() -> impl Iterator<Item = template::Template> {
 
 /// Every preset; its name is [`Feather::name`], its file `NAME.feather.ron`.
 pub fn all() -> Vec<Feather> {
-    templates().map(|template| template.build()).collect()
+    templates()
+        .map(|template| template.build())
+        .chain(iridescent::all())
+        .collect()
 }
 
 /// The preset of that name.
 pub fn by_name(name: &str) -> Option<Feather> {
-    templates()
-        .find(|template| template.name == name)
-        .map(|template| template.build())
+    all().into_iter().find(|feather| feather.name == name)
 }
 
 #[cfg(test)]

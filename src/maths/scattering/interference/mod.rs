@@ -1,0 +1,24 @@
+//! Interference colors of barbules: thin layers of keratin, melanin and air (docs/book/iridescence.md).
+//!
+//! [`Iridescence`] describes the layers, [`Stack`] is made of it, [`StackTable`] holds the stack's color over the angle, and the facet
+//! lobe ([`facet_evaluate`]) takes its color from there at the half vector. The shader module `interference.wgsl` holds the lobe and the
+//! table's lookup under the same names.
+
+mod complex;
+mod facet;
+mod observer;
+mod stack;
+mod structure;
+mod table;
+mod transfer;
+
+pub use complex::Complex;
+pub use facet::{
+    FacetEye, FacetSample, FacetView, Facets, facet_color, facet_density, facet_evaluate,
+    facet_eye, facet_let_in, facet_node, facet_pdf, facet_sample, facet_turn, facet_view,
+};
+pub use observer::{FIRST_WAVELENGTH, WAVELENGTH_STEP, WAVELENGTHS, rgb_weights, wavelengths};
+pub use stack::{Layer, MIXING, Material, REALIZATIONS, Stack, keratin_index, melanin_index};
+pub use structure::{Base, Iridescence, Structure};
+pub use table::{STACK_TEXELS, StackTable, in_gamut, stack_colors, stack_reflectance};
+pub use transfer::{Film, Flow, Polarization, film_flow};

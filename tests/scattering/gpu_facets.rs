@@ -1,0 +1,179 @@
+//! The facet lobe on the GPU against double precision, and what a stack leaves to the fibre below.
+
+use bevy_plumage::maths::scattering::interference::*;
+use bevy_plumage::maths::scattering::*;
+use plumage_reference::fibre_traced::uniform;
+use plumage_tests::cases::on_sphere;
+use plumage_tests::fibres::*;
+use plumage_tests::gpu::run;
+use plumage_tests::shipped::stack;
+use rand_pcg::Pcg64Mcg;
+
+const FLOATS: usize = 16;
+const RESULTS: usize = 16;
+
+const TEXT: &str = "
+#import bevy_plumage::interference as interference
+const TABLE: u32 = 256u;
+
+fn vector(at: u32) -> vec3<f32> { return vec3<f32>(input[at], input[at + 1u], input[at + 2u]); }
+
+fn stack_color(cosine: f32) -> vec3<f32> {
+    let place = interference::stack_place(cosine);
+    let at = 4u * place.index;
+    return interference::in_gamut(mix(vector(at), vector(at + 4u), place.fraction));
+}
+
+fn evaluate(i: u32) {
+    let at = TABLE + i * 16u;
+    let facets = interference::Facets(input[at], input[at + 1u], input[at + 2u]);
+    let eye = vector(at + 3u);
+    let light = vector(at + 6u);
+    let view = interference::facet_view(facets, eye);
+    var area = 0.0;
+    var energy = vec3<f32>(0.0);
+    for (var node = 0u; node < interference::FACET_NODES; node++) {
+        let found = interference::facet_node(facets, view, node);
+        area += found.y;
+        energy += found.y * interference::facet_color(facets, stack_color(found.x), found.x, found.z);
+    }
+    let half_way = interference::facet_half_way(eye, light);
+    let color = interference::facet_color(facets, stack_color(half_way.w), half_way.w, half_way.z);
+    let k = interference::facet_evaluate(facets, area, half_way) * color;
+    let drawn = interference::facet_sample(facets, view, eye, vector(at + 9u));
+    let turned = interference::facet_turn(light, vec2<f32>(input[at + 12u], input[at + 13u]), vec2<f32>(input[at + 14u], input[at + 15u]));
+    let results = array<f32, 16>(k.x, k.y, k.z, area, energy.x / area, energy.y / area, energy.z / area,
+        interference::facet_pdf(facets, view, eye, half_way), drawn.x, drawn.y, drawn.z, drawn.w, turned.x, turned.y, turned.z, 0.0);
+    for (var j = 0u; j < 16u; j++) { output[i * 16u + j] = results[j]; }
+}
+";
+
+#[test]
+fn facets_on_the_gpu_are_those_of_the_crate() {
+    let table = StackTable::build(&stack("coeligena_green"));
+    let mut input: Vec<f32> = table
+        .texels
+        .iter()
+        .flat_map(|texel| [texel[0] as f32, texel[1] as f32, texel[2] as f32, 0.0])
+        .collect();
+    let mut random = Pcg64Mcg::new(77);
+    let slopes = [0.05, 0.1, 0.2, 0.349];
+    let count = 24 * 24 * 16;
+    for i in 0..count {
+        let flatness = [0.05, 0.14, 0.4, 1.0][i % 4];
+        let slope = slopes[i / 4 % 4];
+        let back = [1.0, 0.4][i / 16 % 2];
+        let eye = on_sphere(&mut random);
+        let mut light = on_sphere(&mut random);
+        // Half of the lights near the mirror of a flat side, and the eye's own place.
+        if i % 2 == 0 {
+            let mirror = if i % 4 == 0 {
+                [-1.0, -1.0, 1.0]
+            } else {
+                [1.0; 3]
+            };
+            let near: [f32; 3] = std::array::from_fn(|k| mirror[k] * eye[k] + 0.15 * light[k]);
+            let size = near.iter().map(|x| x * x).sum::<f32>().sqrt();
+            light = near.map(|x| x / size);
+        }
+        let u = [0; 3].map(|_| uniform(&mut random) as f32);
+        let (rise, lean) = (0.3 * (u[0] - 0.5), u[1] - 0.5);
+        input.extend([flatness, slope, back]);
+        input.extend(eye);
+        input.extend(light);
+        input.extend(u);
+        input.extend([rise.sin(), rise.cos(), lean.sin(), lean.cos()]);
+    }
+    let Some(out) = run(&["interference.wgsl"], TEXT, &input, count, count * RESULTS) else {
+        return;
+    };
+    // As the shader has it: in single precision.
+    let rounded = StackTable {
+        texels: table
+            .texels
+            .iter()
+            .map(|texel| texel.map(|x| f64::from(x as f32)))
+            .collect(),
+    };
+    let mut worst = [0.0_f64; 5];
+    for (i, got) in out.chunks(RESULTS).enumerate() {
+        let v: Vec<f64> = input[4 * STACK_TEXELS + i * FLOATS..][..FLOATS]
+            .iter()
+            .map(|x| f64::from(*x))
+            .collect();
+        let got: Vec<f64> = got.iter().map(|x| f64::from(*x)).collect();
+        let three = |at: usize| [v[at], v[at + 1], v[at + 2]];
+        let facets = Facets {
+            flatness: v[0],
+            slope: v[1],
+            back: v[2],
+        };
+        let eye = facet_eye(&facets, &rounded, three(3));
+        let k = facet_evaluate(&eye, &rounded, three(6));
+        let peak = facet_density(&facets, [0.0, 0.0, 1.0]) / (4.0 * eye.area);
+        for c in 0..3 {
+            worst[0] = worst[0].max((got[c] - k[c]).abs() / peak);
+            worst[1] = worst[1].max((got[4 + c] - eye.energy[c]).abs());
+        }
+        worst[1] = worst[1].max((got[3] - eye.area).abs());
+        let pdf = facet_pdf(&eye, three(6));
+        worst[2] = worst[2].max((got[7] - pdf).abs() / pdf.max(peak));
+        if let Some(sample) = facet_sample(&eye, three(9)) {
+            let off = (0..3).map(|k| (got[8 + k] - sample.direction[k]).abs());
+            worst[3] = worst[3].max(off.fold(0.0, f64::max));
+        }
+        let turned = facet_turn(three(6), (v[12], v[13]), (v[14], v[15]));
+        let off = (0..3).map(|k| (got[12 + k] - turned[k]).abs());
+        worst[4] = worst[4].max(off.fold(0.0, f64::max));
+    }
+    println!(
+        "facet twins: K {:.1e} of the peak, energy {:.1e}, density {:.1e}, samples {:.1e}, turn {:.1e}",
+        worst[0], worst[1], worst[2], worst[3], worst[4]
+    );
+    assert!(worst[0] < 1e-4 && worst[1] < 1e-4, "{worst:?}");
+    assert!(
+        worst[2] < 1e-3 && worst[3] < 1e-3 && worst[4] < 1e-5,
+        "{worst:?}"
+    );
+}
+
+/// What the stack reflects does not enter the fibre.
+#[test]
+fn a_stack_takes_its_share_first() {
+    let parameters = stack("anna_gorget");
+    let table = StackTable::build(&parameters);
+    for fibre in [pigment(0.85, 2.0, 0.4), structural(0.7)] {
+        let fibre_table = FibreTable::build(&fibre);
+        for theta in [0.0, 0.5, 1.0] {
+            for phi in [0.0, 0.6, 1.2] {
+                let omega_o = direction(theta, phi);
+                let facets = Facets {
+                    flatness: 0.14,
+                    slope: 0.1,
+                    back: 1.0,
+                };
+                let eye = facet_eye(&facets, &table, omega_o);
+                for albedo in [0.0, 0.03, 0.5, 1.0] {
+                    let mut shading = shade(&fibre_table, albedo, omega_o, 0.0);
+                    let before = shading;
+                    facet_let_in(&mut shading, eye.energy);
+                    let rest = fibre_albedo(&shading);
+                    for c in 0..3 {
+                        let whole = rest[c] + eye.energy[c];
+                        assert!(whole <= 1.001, "{fibre:?} {albedo}: {whole}");
+                        // Nothing reflected: all enters that did not before.
+                        let mut open = before;
+                        facet_let_in(&mut open, [0.0; 3]);
+                        let entering = 1.0 - before.energy[0][c];
+                        let other = fibre_albedo(&before)[c] - before.energy[0][c];
+                        assert!((fibre_albedo(&open)[c] * entering - other).abs() < 1e-9);
+                    }
+                    // No surface reflection of its own is left.
+                    assert_eq!(shading.energy[0], [0.0; 3]);
+                    let k = fibre_evaluate(&shading, direction(-theta, -phi));
+                    assert!(k.iter().all(|k| k.is_finite() && *k >= 0.0));
+                }
+            }
+        }
+    }
+}
