@@ -137,8 +137,8 @@ fn the_energy_of_a_stack_is_its_lobes() {
             for phi in [0.0, 0.5, 1.0, 1.4] {
                 let eye = facet_eye(&facets, &table, direction(theta, phi));
                 let found = furnace(&eye, &table);
-                for c in 0..3 {
-                    worst = worst.max((found[c] - eye.energy[c]).abs());
+                for (found, energy) in found.iter().zip(eye.energy) {
+                    worst = worst.max((found - energy).abs());
                 }
             }
         }

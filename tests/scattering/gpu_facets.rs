@@ -111,9 +111,11 @@ fn facets_on_the_gpu_are_those_of_the_crate() {
         let eye = facet_eye(&facets, &rounded, three(3));
         let k = facet_evaluate(&eye, &rounded, three(6));
         let peak = facet_density(&facets, [0.0, 0.0, 1.0]) / (4.0 * eye.area);
-        for c in 0..3 {
-            worst[0] = worst[0].max((got[c] - k[c]).abs() / peak);
-            worst[1] = worst[1].max((got[4 + c] - eye.energy[c]).abs());
+        for (got, k) in got.iter().zip(k) {
+            worst[0] = worst[0].max((got - k).abs() / peak);
+        }
+        for (got, energy) in got[4..].iter().zip(eye.energy) {
+            worst[1] = worst[1].max((got - energy).abs());
         }
         worst[1] = worst[1].max((got[3] - eye.area).abs());
         let pdf = facet_pdf(&eye, three(6));
@@ -158,8 +160,8 @@ fn a_stack_takes_its_share_first() {
                     let before = shading;
                     facet_let_in(&mut shading, eye.energy);
                     let rest = fibre_albedo(&shading);
-                    for c in 0..3 {
-                        let whole = rest[c] + eye.energy[c];
+                    for (c, (rest, energy)) in rest.iter().zip(eye.energy).enumerate() {
+                        let whole = rest + energy;
                         assert!(whole <= 1.001, "{fibre:?} {albedo}: {whole}");
                         // Nothing reflected: all enters that did not before.
                         let mut open = before;

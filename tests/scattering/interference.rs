@@ -153,8 +153,13 @@ fn the_observer_is_the_published_one() {
         assert!((sum - 1.0).abs() < 1e-12);
     }
     // Back to the luminance of D65 and its peak, and against the analytic fit of the observer on smooth spectra.
-    for (center, width) in [(450.0, 40.0), (530.0, 50.0), (600.0, 40.0), (560.0, 150.0)] {
-        let bump = |l: f64| (-0.5 * ((l - center) / width as f64).powi(2)).exp();
+    for (center, width) in [
+        (450.0_f64, 40.0_f64),
+        (530.0, 50.0),
+        (600.0, 40.0),
+        (560.0, 150.0),
+    ] {
+        let bump = |l: f64| (-0.5 * ((l - center) / width).powi(2)).exp();
         let mut found = [0.0; 3];
         for (l, w) in wavelengths().zip(&weights) {
             found = std::array::from_fn(|c| found[c] + w[c] * bump(l));

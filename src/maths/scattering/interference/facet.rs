@@ -134,7 +134,7 @@ pub fn facet_view<T: Real>(facets: &Facets<T>, omega_o: [T; 3]) -> FacetView<T> 
 pub fn facet_node<T: Real>(facets: &Facets<T>, view: &FacetView<T>, node: usize) -> [T; 3] {
     let [sin, cos, weight] = NODES[node / 2];
     let (sin, cos) = (
-        real::<T>(if node % 2 == 0 { sin } else { -sin }),
+        real::<T>(if node.is_multiple_of(2) { sin } else { -sin }),
         real::<T>(cos),
     );
     let [y, z] = facet_normal(facets, view, sin, cos);
@@ -201,13 +201,13 @@ pub fn facet_evaluate<T: Real>(eye: &FacetEye<T>, table: &StackTable, omega_i: [
 /// What the stack reflects does not enter: the fibre's own surface reflection gives way to the facets, and its other lobes get what they
 /// leave.
 pub fn facet_let_in<T: Real>(shading: &mut FibreShading<T>, energy: [T; 3]) {
-    for c in 0..3 {
-        let before = (T::one() - shading.energy[0][c]).max(real(1e-3));
-        let entering = (T::one() - energy[c]).max(T::zero()) / before;
-        shading.energy[0][c] = T::zero();
-        for lobe in 1..4 {
-            shading.energy[lobe][c] = shading.energy[lobe][c] * entering;
-        }
+    let surface = shading.energy[0];
+    let entering: [T; 3] = std::array::from_fn(|c| {
+        (T::one() - energy[c]).max(T::zero()) / (T::one() - surface[c]).max(real(1e-3))
+    });
+    shading.energy[0] = [T::zero(); 3];
+    for lobe in &mut shading.energy[1..] {
+        *lobe = std::array::from_fn(|c| lobe[c] * entering[c]);
     }
 }
 
