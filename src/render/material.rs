@@ -176,7 +176,8 @@ pub struct FeatherMaterial {
     pub transparency: FeatherTransparency,
     /// Which fragments this material draws; the plugin makes materials for the rest.
     pub drawn: DrawnCards,
-    /// All fibres are plain ([`FibreTable::is_plain`](crate::maths::scattering::FibreTable::is_plain)): MEAN cards take their short form.
+    /// All fibres are plain ([`FibreTable::is_plain`](crate::maths::scattering::FibreTable::is_plain)): FAR and MEAN cards take
+    /// their short form.
     pub plain: bool,
     /// Feathers and fibre tables, laid out as `shaders/feather_data.wgsl` reads them.
     #[storage(1, read_only)]

@@ -9,7 +9,7 @@ mod fibre;
 mod gpu;
 mod gpu_near;
 mod judged;
-mod mean;
 mod near;
 mod sample;
+mod short;
 mod traced;
