@@ -76,7 +76,7 @@ pub struct FeatherPipelineKey {
     pub drawn: DrawnCards,
     /// `FeatherSettings::order_window` is open.
     pub ordered: bool,
-    /// Fibres are read from the short tables of MEAN cards.
+    /// Fibres are read from their short tables.
     pub plain: bool,
     /// `FeatherMaterial::iridescent`.
     pub iridescent: bool,
@@ -93,10 +93,10 @@ impl FeatherPipelineKey {
             )
     }
 
-    /// The same for feathers whose fibres are all plain ([`crate::maths::scattering::FibreTable::is_plain`]), or not: MEAN cards have a
-    /// short form of them, unless more than their color is asked of the fibres.
+    /// The same for feathers whose fibres are all plain ([`crate::maths::scattering::FibreTable::is_plain`]), or not: FAR and MEAN cards
+    /// have a short form of them, unless more than their color is asked of the fibres.
     pub fn with_plain_fibres(self, plain: bool) -> Self {
-        let short = self.drawn == DrawnCards::Mean
+        let short = matches!(self.drawn, DrawnCards::Far | DrawnCards::Mean)
             && !(self.sampled_environment || self.overdraw || self.debug || self.iridescent);
         Self {
             plain: plain && short,

@@ -10,8 +10,8 @@ use crate::{
     maths::{
         query::Lod,
         scattering::{
-            KEPT_AZIMUTHS, KEPT_LEVELS, MEAN_HEAD_VEC4S, MEAN_ROW_VEC4S, MEAN_TABLE_VEC4S,
-            SHEEN_TABLE_SIZE, interference::STACK_TEXELS,
+            KEPT_AZIMUTHS, KEPT_LEVELS, SHEEN_TABLE_SIZE, SHORT_HEAD_VEC4S, SHORT_ROW_VEC4S,
+            SHORT_TABLE_VEC4S, interference::STACK_TEXELS,
         },
     },
     shaders::{ConstantLayout, StructLayout},
@@ -63,11 +63,11 @@ pub fn constant_layouts() -> Vec<ConstantLayout> {
         ],
     );
     all.extend(in_file(
-        "maths/scattering_mean.wgsl",
+        "maths/scattering_short.wgsl",
         &[
-            ("MEAN_HEAD_LENGTH", MEAN_HEAD_VEC4S),
-            ("MEAN_ROW_LENGTH", MEAN_ROW_VEC4S),
-            ("MEAN_TABLE_LENGTH", MEAN_TABLE_VEC4S),
+            ("SHORT_HEAD_LENGTH", SHORT_HEAD_VEC4S),
+            ("SHORT_ROW_LENGTH", SHORT_ROW_VEC4S),
+            ("SHORT_TABLE_LENGTH", SHORT_TABLE_VEC4S),
         ],
     ));
     all.extend(in_file(

@@ -177,7 +177,8 @@ pub struct FeatherMaterial {
     pub transparency: FeatherTransparency,
     /// Which fragments this material draws; the plugin makes materials for the rest.
     pub drawn: DrawnCards,
-    /// All fibres are plain ([`FibreTable::is_plain`](crate::maths::scattering::FibreTable::is_plain)): MEAN cards take their short form.
+    /// All fibres are plain ([`FibreTable::is_plain`](crate::maths::scattering::FibreTable::is_plain)): FAR and MEAN cards take
+    /// their short form.
     pub plain: bool,
     /// Some feather has thin layers.
     pub iridescent: bool,

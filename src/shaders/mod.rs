@@ -53,7 +53,7 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "maths/anatomy.wgsl");
         load_shader_library!(app, "maths/scattering.wgsl");
         load_shader_library!(app, "maths/scattering_azimuth.wgsl");
-        load_shader_library!(app, "maths/scattering_mean.wgsl");
+        load_shader_library!(app, "maths/scattering_short.wgsl");
         load_shader_library!(app, "maths/scattering_near.wgsl");
         load_shader_library!(app, "maths/scattering_sample.wgsl");
         load_shader_library!(app, "maths/interference.wgsl");

@@ -12,7 +12,7 @@ mod gpu_facets;
 mod gpu_near;
 mod interference;
 mod judged;
-mod mean;
 mod near;
 mod sample;
+mod short;
 mod traced;

@@ -21,7 +21,6 @@ pub mod interference;
 mod kept;
 mod lobes;
 mod longitudinal;
-mod mean;
 mod medulla;
 mod near;
 mod parameters;
@@ -29,6 +28,7 @@ mod reach;
 mod sample;
 mod shading;
 mod sheen;
+mod short;
 mod table;
 mod tier;
 
@@ -50,10 +50,6 @@ pub use longitudinal::{
     LongitudinalSpread, fold, i0e, lobe_shift, lobe_width, longitudinal, longitudinal_spread,
     longitudinal_with,
 };
-pub use mean::{
-    MEAN_COSINES, MEAN_HEAD_VEC4S, MEAN_ROW_VEC4S, MEAN_TABLE_VEC4S, MeanRow, MeanShading,
-    mean_energies, mean_lit, mean_lobes, mean_row_mix, mean_shading,
-};
 pub use medulla::{MEDULLA_AXES, MEDULLA_PLACE, MEDULLA_TABLE_LENGTH, MedullaShape, medulla_shape};
 pub use near::{
     FibreNear, FibreWindow, NEAR_SEGMENTS, fibre_near, fibre_near_evaluate, fibre_near_lobes,
@@ -66,6 +62,10 @@ pub use shading::{FIBRE_SERIES, FibreShading, fibre_shading};
 pub use sheen::{
     SHEEN_TABLE_SIZE, sheen_albedo, sheen_evaluate, sheen_lookup, sheen_row, sheen_table,
     sheen_tint,
+};
+pub use short::{
+    MEAN_COSINES, SHORT_HEAD_VEC4S, SHORT_ROW_VEC4S, SHORT_TABLE_VEC4S, ShortRow, ShortShading,
+    ShortTerms, short_energies, short_lit, short_lobes, short_row_mix, short_shading,
 };
 pub use table::{
     FIBRE_HARMONICS, FIBRE_PARAMETER_VEC4S, FIBRE_ROW_VEC4S, FIBRE_ROWS, FibreRow, FibreTable,

@@ -6,7 +6,7 @@ use crate::{
     maths::query::{CardVane, Vane},
     maths::scattering::{
         FIBRE_ROW_VEC4S, FIBRE_ROWS, Fibre, FibreTable, KEPT_AZIMUTHS, KEPT_LEVELS,
-        MEAN_TABLE_VEC4S, SHEEN_TABLE_SIZE, kept_light, mean_caught, mirror_place, sheen_row,
+        SHEEN_TABLE_SIZE, SHORT_TABLE_VEC4S, kept_light, mean_caught, mirror_place, sheen_row,
     },
 };
 
@@ -65,7 +65,7 @@ impl TableCache {
 }
 
 impl TableCache {
-    /// Whether the short tables of MEAN cards say all of these fibres.
+    /// Whether the short tables say all of these fibres.
     pub fn is_plain(&self) -> bool {
         self.tables.iter().all(|(_, table)| table.is_plain())
     }
@@ -87,16 +87,16 @@ pub fn pack_feathers(feathers: &[&Feather], cache: &mut TableCache) -> Vec<u8> {
     }
     let room = tables.len().next_multiple_of(TABLE_STEP) - tables.len();
     rows.resize(rows.len() + room * FIBRE_ROWS * FIBRE_ROW_VEC4S, [0.0; 4]);
-    let first_mean = rows.len();
+    let first_short = rows.len();
     for (_, table) in tables {
-        rows.extend(table.pack_mean());
+        rows.extend(table.pack_short());
     }
-    rows.resize(rows.len() + room * MEAN_TABLE_VEC4S, [0.0; 4]);
+    rows.resize(rows.len() + room * SHORT_TABLE_VEC4S, [0.0; 4]);
     rows[0] = [
         feathers.len() as f32,
         first_table as f32,
         tables.len() as f32,
-        first_mean as f32,
+        first_short as f32,
     ];
     stacks::append(feathers, &mut rows, &mut found.stacks, &known.stacks);
     *cache = found;

@@ -17,7 +17,7 @@
     sheen::{sheen_albedo, sheen_evaluate, sheen_place, sheen_tint},
 }
 #ifdef PLAIN_FIBRES
-#import bevy_plumage::scattering_mean as mean
+#import bevy_plumage::scattering_short as short
 #endif
 #ifdef DEBUG_VIEW
 #import bevy_plumage::feather_debug::{VIEW_LOBE, debug_color}
@@ -104,26 +104,37 @@ fn read_part(base: u32, part: u32, tangent: vec2<f32>, frame: Frame) -> Part {
 
 #ifdef PLAIN_FIBRES
 // The fibre of one component from its short table, prepared for the lights.
-fn mean_part(
+fn short_part(
     base: u32,
     part: u32,
     eye: vec3<f32>,
     albedo: vec3<f32>,
     dark_back: f32,
     frequency: f32,
-) -> mean::MeanShading {
-    let table = u32(feather_at(0u).w) + u32(feather_at(base + data::TABLES)[part]) * mean::MEAN_TABLE_LENGTH;
+) -> short::ShortShading {
+    let table = u32(feather_at(0u).w) + u32(feather_at(base + data::TABLES)[part]) * short::SHORT_TABLE_LENGTH;
     var head: array<vec4<f32>, 4>;
-    for (var i = 0u; i < mean::MEAN_HEAD_LENGTH; i++) {
+    for (var i = 0u; i < short::SHORT_HEAD_LENGTH; i++) {
         head[i] = feather_at(table + i);
     }
     let place = fibre_row_at(sqrt(max(1.0 - eye.x * eye.x, 0.0)));
-    let first = table + mean::MEAN_HEAD_LENGTH + place.index * mean::MEAN_ROW_LENGTH;
-    var row: array<vec4<f32>, 6>;
-    for (var i = 0u; i < mean::MEAN_ROW_LENGTH; i++) {
-        row[i] = mix(feather_at(first + i), feather_at(first + mean::MEAN_ROW_LENGTH + i), place.fraction);
+    let first = table + short::SHORT_HEAD_LENGTH + place.index * short::SHORT_ROW_LENGTH;
+    var row: array<vec4<f32>, 9>;
+#ifdef ONLY_MEAN
+    // Of every series the four terms.
+    for (var i = 0u; i < 6u; i++) {
+        let to = select(2u * i - 3u, i, i < 3u);
+        row[to] = mix(feather_at(first + i), feather_at(first + short::SHORT_ROW_LENGTH + i), place.fraction);
     }
-    return mean::mean_shading(head, row, albedo, eye, dark_back, frequency);
+    let fine = false;
+#else
+    for (var i = 0u; i < 9u; i++) {
+        let source = first + select(i + 3u, i, i < 3u);
+        row[i] = mix(feather_at(source), feather_at(source + short::SHORT_ROW_LENGTH), place.fraction);
+    }
+    let fine = true;
+#endif
+    return short::short_shading(head, row, albedo, eye, dark_back, frequency, fine);
 }
 #endif
 
@@ -266,8 +277,8 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
 #ifdef PLAIN_FIBRES
             let eye = in_fibre(tangent, frame.hand, frame.local_eye);
             let frequency = select(0.0, shadowing.frequency, part == shadowing.lower);
-            let shading = mean_part(base, part, eye, single, shape.w, frequency);
-            let energies = mean::mean_energies(shading);
+            let shading = short_part(base, part, eye, single, shape.w, frequency);
+            let energies = short::short_energies(shading);
 #else
             let fibre = read_part(base, part, tangent, frame);
             var harmonics = 4u;
@@ -339,9 +350,9 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
 #ifdef PLAIN_FIBRES
             for (var i = 0u; i < count; i++) {
                 let there = towards[i];
-                let lobes = mean::mean_lobes(shading, in_fibre(tangent, frame.hand, there.xyz));
+                let lobes = short::short_lobes(shading, in_fibre(tangent, frame.hand, there.xyz));
                 let reach = part_reach(shadowing, part_seen, rays[i], part, lobes.turn, false);
-                radiance += batch[i].color * (mean::mean_lit(shading, lobes, reach) + again * there.w);
+                radiance += batch[i].color * (short::short_lit(shading, lobes, reach) + again * there.w);
             }
 #else
             let place = near_of(part, near, angles, covered.right, tangent, fibre.eye, frame.hand);
@@ -351,14 +362,14 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
                 for (var i = 0u; i < count; i++) {
                     let there = towards[i];
                     let lobes = fibre_near_lobes(near_fibre, in_fibre(tangent, frame.hand, there.xyz));
-                    let reach = part_reach(shadowing, part_seen, rays[i], part, lobes.turn, true);
+                    let reach = part_reach(shadowing, part_seen, light_ray(shadowing, there.xyz), part, lobes.turn, true);
                     radiance += batch[i].color * (fibre_lit(shading, lobes, reach) + again * there.w);
                 }
             } else {
                 for (var i = 0u; i < count; i++) {
                     let there = towards[i];
                     let lobes = fibre_lobes(shading, in_fibre(tangent, frame.hand, there.xyz));
-                    let reach = part_reach(shadowing, part_seen, rays[i], part, lobes.turn, false);
+                    let reach = part_reach(shadowing, part_seen, light_ray(shadowing, there.xyz), part, lobes.turn, false);
                     radiance += batch[i].color * (fibre_lit(shading, lobes, reach) + again * there.w);
 #ifdef IRIDESCENT
                     radiance += batch[i].color * reach.mirror * shimmer_lobe(shimmer, in_fibre(tangent, frame.hand, there.xyz));

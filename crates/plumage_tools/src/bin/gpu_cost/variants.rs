@@ -121,6 +121,10 @@ fn feather_name(key: &FeatherPipelineKey, pass: &PassKey) -> String {
             (key.sampled_environment, ", sampled environment"),
             (key.lights_together, ", lights together"),
             (key.debug, ", debug views"),
+            (
+                matches!(key.drawn, DrawnCards::Far | DrawnCards::Mean) && !key.plain,
+                ", any fibre",
+            ),
         ] {
             name += if set { words } else { "" };
         }
@@ -162,9 +166,19 @@ fn is_usual(key: &FeatherPipelineKey, pass: &PassKey) -> bool {
             ..
         }
     );
-    let optional = key.sampled_environment != key.lights_together;
+    let optional = key.sampled_environment != (key.lights_together && key.plain);
     let default = !key.sampled_environment && !key.lights_together;
-    plain && seen && !listed && (default || (mean && optional && !prepared))
+    // Of fibres that are not plain one line tells.
+    let after = matches!(
+        pass,
+        PassKey::Forward {
+            depth_prepass: true,
+            ..
+        }
+    );
+    let short = matches!(key.drawn, DrawnCards::Far | DrawnCards::Mean);
+    let fibres = key.plain || !(after && short);
+    plain && seen && !listed && fibres && (default || (mean && optional && !prepared))
 }
 
 /// A StandardMaterial with alpha mask, albedo and normal map under the same light.

@@ -1,4 +1,4 @@
-//! The short form of a fibre that MEAN cards take: against the whole one, and against its shader.
+//! The short form of a fibre that FAR and MEAN cards take: against the whole one, and against its shader.
 
 use bevy_plumage::maths::scattering::*;
 use plumage_reference::fibre_traced::uniform;
@@ -41,6 +41,7 @@ struct Case {
     light: [f64; 3],
     dark_back: f64,
     frequency: f64,
+    fine: bool,
 }
 
 fn cases(random: &mut Pcg64Mcg, fibres: usize, count: usize) -> Vec<Case> {
@@ -62,6 +63,7 @@ fn cases(random: &mut Pcg64Mcg, fibres: usize, count: usize) -> Vec<Case> {
                 light,
                 dark_back: (k / 8 % 2) as f64,
                 frequency: [0.0, 0.7][k / 16 % 2],
+                fine: k / 32 % 2 == 0,
             }
         })
         .collect()
@@ -73,15 +75,15 @@ fn cosine([_, y, z]: [f64; 3]) -> f64 {
 
 /// The short form as the shader reads it.
 struct Short {
-    head: [[f64; 4]; MEAN_HEAD_VEC4S],
-    rows: Vec<MeanRow<f64>>,
+    head: [[f64; 4]; SHORT_HEAD_VEC4S],
+    rows: Vec<ShortRow<f64>>,
 }
 
 impl Short {
     fn new(table: &FibreTable) -> Self {
-        let all = table.pack_mean();
-        let (head, rows) = all.split_at(MEAN_HEAD_VEC4S);
-        let rows = rows.as_chunks::<MEAN_ROW_VEC4S>().0;
+        let all = table.pack_short();
+        let (head, rows) = all.split_at(SHORT_HEAD_VEC4S);
+        let rows = rows.as_chunks::<SHORT_ROW_VEC4S>().0;
         Self {
             head: std::array::from_fn(|i| head[i].map(f64::from)),
             rows: rows
@@ -91,10 +93,10 @@ impl Short {
         }
     }
 
-    fn shade(&self, case: &Case) -> MeanShading<f64> {
+    fn shade(&self, case: &Case) -> ShortShading<f64> {
         let (i, fraction) = fibre_row_at(cosine(case.eye));
-        let row = mean_row_mix(&self.rows[i], &self.rows[i + 1], fraction);
-        mean_shading(
+        let row = short_row_mix(&self.rows[i], &self.rows[i + 1], fraction, case.fine);
+        short_shading(
             &self.head,
             &row,
             case.albedo,
@@ -162,15 +164,15 @@ fn the_short_form_is_the_whole_one() {
             case.albedo,
             case.eye,
             case.dark_back,
-            MEAN_COSINES as u32,
+            if case.fine { 8 } else { MEAN_COSINES as u32 },
         );
         if case.frequency > 0.0 {
             whole.along = fibre_along(&p, &row, whole.absorption, case.frequency);
         }
         let short = shorts[case.fibre].shade(case);
         let wanted = fibre_lit(&whole, &fibre_lobes(&whole, case.light), &reach);
-        let found = mean_lit(&short, &mean_lobes(&short, case.light), &reach);
-        let (surface, second, scattered) = mean_energies(&short);
+        let found = short_lit(&short, &short_lobes(&short, case.light), &reach);
+        let (surface, second, scattered) = short_energies(&short);
         for c in 0..3 {
             let error = (found[c] - wanted[c]) * 4.0 * PI;
             squares += error * error;
@@ -192,31 +194,36 @@ fn the_short_form_is_the_whole_one() {
 fn the_shader_agrees() {
     const ENTRY: &str = "
 #import bevy_plumage::scattering as scattering
-#import bevy_plumage::scattering_mean as mean
-const CASE_FLOATS: u32 = 12u;
+#import bevy_plumage::scattering_short as short
+const CASE_FLOATS: u32 = 13u;
 
 fn load(at: u32) -> vec4<f32> {
     return vec4<f32>(input[at], input[at + 1u], input[at + 2u], input[at + 3u]);
 }
 
 fn evaluate(i: u32) {
-    let at = u32(input[0]) * 4u * mean::MEAN_TABLE_LENGTH + 4u + i * CASE_FLOATS;
-    let table = 4u + u32(input[at]) * 4u * mean::MEAN_TABLE_LENGTH;
+    let at = u32(input[0]) * 4u * short::SHORT_TABLE_LENGTH + 4u + i * CASE_FLOATS;
+    let table = 4u + u32(input[at]) * 4u * short::SHORT_TABLE_LENGTH;
     let albedo = load(at + 1u).xyz;
     let omega_o = load(at + 4u).xyz;
     let omega_i = load(at + 7u).xyz;
     var head: array<vec4<f32>, 4>;
     for (var k = 0u; k < 4u; k++) { head[k] = load(table + 4u * k); }
     let place = scattering::fibre_row_at(length(omega_o.yz));
-    let first = table + 4u * (mean::MEAN_HEAD_LENGTH + place.index * mean::MEAN_ROW_LENGTH);
-    var row: array<vec4<f32>, 6>;
-    for (var k = 0u; k < 6u; k++) {
-        row[k] = mix(load(first + 4u * k), load(first + 4u * (k + mean::MEAN_ROW_LENGTH)), place.fraction);
+    let first = table + 4u * (short::SHORT_HEAD_LENGTH + place.index * short::SHORT_ROW_LENGTH);
+    let fine = input[at + 12u] > 0.5;
+    var row: array<vec4<f32>, 9>;
+    for (var k = 0u; k < 9u; k++) {
+        var from_row = k;
+        if (k >= 3u) { from_row = select((k + 3u) / 2u, k + 3u, fine); }
+        if (fine || k < 3u || k % 2u == 1u) {
+            row[k] = mix(load(first + 4u * from_row), load(first + 4u * (from_row + short::SHORT_ROW_LENGTH)), place.fraction);
+        }
     }
-    let s = mean::mean_shading(head, row, albedo, omega_o, input[at + 10u], input[at + 11u]);
-    let lobes = mean::mean_lobes(s, omega_i);
-    let lit = mean::mean_lit(s, lobes, scattering::FibreReach(0.8, 0.6, 0.2, 0.3));
-    let energy = mean::mean_energies(s);
+    let s = short::short_shading(head, row, albedo, omega_o, input[at + 10u], input[at + 11u], fine);
+    let lobes = short::short_lobes(s, omega_i);
+    let lit = short::short_lit(s, lobes, scattering::FibreReach(0.8, 0.6, 0.2, 0.3));
+    let energy = short::short_energies(s);
     for (var c = 0u; c < 3u; c++) {
         output[12u * i + c] = lobes.mirror[c] + lobes.even[c];
         output[12u * i + 3u + c] = lit[c];
@@ -243,6 +250,7 @@ fn evaluate(i: u32) {
                         light,
                         dark_back: 1.0,
                         frequency: 0.7,
+                        fine: true,
                     });
                 }
             }
@@ -250,16 +258,17 @@ fn evaluate(i: u32) {
     }
     let mut input = vec![tables.len() as f32, 0.0, 0.0, 0.0];
     for table in &tables {
-        input.extend(table.pack_mean().as_flattened());
+        input.extend(table.pack_short().as_flattened());
     }
     for case in &list {
         input.push(case.fibre as f32);
         let vectors = case.albedo.iter().chain(&case.eye).chain(&case.light);
         input.extend(vectors.map(|x| *x as f32));
-        input.extend([case.dark_back as f32, case.frequency as f32]);
+        let fine = f32::from(u8::from(case.fine));
+        input.extend([case.dark_back as f32, case.frequency as f32, fine]);
     }
     let Some(out) = run(
-        &["scattering_mean.wgsl", "scattering.wgsl"],
+        &["scattering_short.wgsl", "scattering.wgsl"],
         ENTRY,
         &input,
         list.len(),
@@ -290,11 +299,12 @@ fn evaluate(i: u32) {
             light: single(case.light),
             dark_back: case.dark_back,
             frequency: f64::from(case.frequency as f32),
+            fine: case.fine,
         };
         let s = shorts[case.fibre].shade(&given);
-        let lobes = mean_lobes(&s, given.light);
-        let lit = mean_lit(&s, &lobes, &reach);
-        let (surface, second, scattered) = mean_energies(&s);
+        let lobes = short_lobes(&s, given.light);
+        let lit = short_lit(&s, &lobes, &reach);
+        let (surface, second, scattered) = short_energies(&s);
         let beta = f64::from(fibres[case.fibre].longitudinal_roughness);
         let peak = (0.4 / (0.5 * beta)).max(1.0) / PI;
         for c in 0..3 {

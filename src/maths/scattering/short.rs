@@ -1,9 +1,10 @@
-//! A fibre as cards of the mean level of detail shade it: round, four terms of the series, and what does not depend on color or light
-//! taken out when a feather is packed. The same lobes as [`fibre_lobes`](super::fibre_lobes), less those of which no light is
-//! left ([`FibreTable::is_plain`]). Twin of `scattering_mean.wgsl`.
+//! The short form of a fibre: round, and what does not depend on color or light taken out when a feather is packed. FAR cards take all
+//! eight terms of the series, MEAN cards four. The same lobes as [`fibre_lobes`](super::fibre_lobes), less those of which no light is
+//! left ([`FibreTable::is_plain`]). Twin of `scattering_short.wgsl`.
 
 use super::{
-    FIBRE_ROWS, FibreLobes, FibreReach, FibreRow, FibreTable, Lobe, LongitudinalSpread,
+    FIBRE_HARMONICS, FIBRE_ROWS, FibreLobes, FibreReach, FibreRow, FibreTable, Lobe,
+    LongitudinalSpread,
     flat::ROUND,
     frame::polar,
     longitudinal_with,
@@ -12,7 +13,7 @@ use super::{
 use crate::maths::functions::{Real, clamp, real};
 use std::f64::consts::PI;
 
-/// Terms of the series.
+/// Terms of the series that MEAN cards take.
 pub const MEAN_COSINES: usize = 4;
 /// vec4s before the rows of a table.
 ///
@@ -22,39 +23,42 @@ pub const MEAN_COSINES: usize = 4;
 /// | 1 | the same of TT (pigment) or TRcT (structural) |
 /// | 2 | lowest albedo f, 1/(1 - f), exponent and factor of the absorption of a color |
 /// | 3 | 1: structural, share c of round trips head on, half width of the edge of a dark back |
-pub const MEAN_HEAD_VEC4S: usize = 4;
+pub const SHORT_HEAD_VEC4S: usize = 4;
 /// vec4s in one row; rows are those of [`FibreTable`].
 ///
 /// | vec4 | pigment | structural |
 /// |---|---|---|
 /// | 0 | energy of R, TT, medulla; m1 | energy of R, TRcT, 0; share c of round trips |
-/// | 1 | R | R |
-/// | 2 | TT without absorption | TRcT |
-/// | 3 | TT at absorption 2 | |
-/// | 4 | t and k of TT and of the medulla | |
-/// | 5 | medulla: both terms; how fast light forgets its place around and along the fibre, times t | |
+/// | 1 | t and k of TT and of the medulla | |
+/// | 2 | medulla: both terms; how fast light forgets its place around and along the fibre, times t | |
+/// | 3 | four terms of R | R |
+/// | 4 | of TT without absorption | TRcT |
+/// | 5 | of TT at absorption 2 | |
+/// | 6 to 11 | eight terms of the same | |
 ///
 /// Terms are damped. What is not an energy itself is multiplied with that of its lobe, so rows are mixed linearly and an empty lobe
 /// does not pull the shape of its neighbor.
-pub const MEAN_ROW_VEC4S: usize = 6;
+pub const SHORT_ROW_VEC4S: usize = 12;
 /// vec4s of a table.
-pub const MEAN_TABLE_VEC4S: usize = MEAN_HEAD_VEC4S + FIBRE_ROWS * MEAN_ROW_VEC4S;
+pub const SHORT_TABLE_VEC4S: usize = SHORT_HEAD_VEC4S + FIBRE_ROWS * SHORT_ROW_VEC4S;
 
 /// Energy of a lobe below which it is left out.
 const LEAST_ENERGY: f64 = 1e-3;
 /// Least t of a law of absorption: below it the law is an exponential, and single precision loses it.
 const LEAST_T: f64 = 0.01;
 
-/// One row, or a mixture of two.
-pub type MeanRow<T> = [[T; 4]; MEAN_ROW_VEC4S];
+/// One row.
+pub type ShortRow<T> = [[T; 4]; SHORT_ROW_VEC4S];
+/// What a level of detail reads of a row: energies, laws, medulla, and eight terms of each series.
+pub type ShortTerms<T> = [[T; 4]; 9];
 
 /// Everything about a fibre and the eye that the lights of a pixel share.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeanShading<T> {
+pub struct ShortShading<T> {
     /// Energies of R, of TT or TRcT, and of the medulla, before color.
     pub energy: [T; 3],
     /// Terms of R, TT or TRcT, and the dense TT.
-    pub series: [[T; MEAN_COSINES]; 3],
+    pub series: [[T; FIBRE_HARMONICS]; 3],
     /// Color of TT or TRcT.
     pub second: [T; 3],
     /// Color of the medulla's light.
@@ -87,15 +91,15 @@ impl FibreTable {
         p.aspect >= ROUND && dark(Lobe::TRT) && (!p.structural || dark(Lobe::TT))
     }
 
-    /// For the GPU: what `scattering_mean.wgsl` reads, [`MEAN_TABLE_VEC4S`] vec4s.
-    pub fn pack_mean(&self) -> Vec<[f32; 4]> {
-        let rows = self.rows.iter().flat_map(|row| self.mean_row(row));
-        let all = self.mean_head().into_iter().chain(rows);
+    /// For the GPU: what `scattering_short.wgsl` reads, [`SHORT_TABLE_VEC4S`] vec4s.
+    pub fn pack_short(&self) -> Vec<[f32; 4]> {
+        let rows = self.rows.iter().flat_map(|row| self.short_row(row));
+        let all = self.short_head().into_iter().chain(rows);
         all.map(|v| v.map(|x| x as f32)).collect()
     }
 
     /// The vec4s before the rows.
-    pub fn mean_head(&self) -> [[f64; 4]; MEAN_HEAD_VEC4S] {
+    pub fn short_head(&self) -> [[f64; 4]; SHORT_HEAD_VEC4S] {
         let p = self.fibre();
         let lobe = |lobe: Lobe| {
             let at = lobe as usize;
@@ -124,25 +128,30 @@ impl FibreTable {
     }
 
     /// A row of [`FibreTable::rows`] as MEAN cards read it.
-    pub fn mean_row(&self, row: &FibreRow<f64>) -> MeanRow<f64> {
+    pub fn short_row(&self, row: &FibreRow<f64>) -> ShortRow<f64> {
         let p = self.fibre();
-        let blur = p.azimuthal_roughness.max(FIRST_BLUR / MEAN_COSINES as f64);
-        let terms = |at: usize, energy: f64| -> [f64; 4] {
-            let series = damped(row, at, blur, MEAN_COSINES as u32);
-            std::array::from_fn(|n| energy * series[n])
+        let mut out = [[0.0; 4]; SHORT_ROW_VEC4S];
+        let mut put = |series: usize, at: usize, energy: f64| {
+            for (first, count) in [
+                (3 + series, MEAN_COSINES),
+                (6 + 2 * series, FIBRE_HARMONICS),
+            ] {
+                let blur = p.azimuthal_roughness.max(FIRST_BLUR / count as f64);
+                let terms = damped(row, at, blur, count as u32);
+                for (n, term) in terms.iter().enumerate().take(count) {
+                    out[first + n / 4][n % 4] = energy * term;
+                }
+            }
         };
         let [surface, through, _, fourth] = row[0];
-        let r = terms(5, surface);
+        put(0, 5, surface);
         if p.structural {
-            return [
-                [surface, fourth, 0.0, fourth * row[2][0]],
-                r,
-                terms(3, fourth),
-                [0.0; 4],
-                [0.0; 4],
-                [0.0; 4],
-            ];
+            put(1, 3, fourth);
+            out[0] = [surface, fourth, 0.0, fourth * row[2][0]];
+            return out;
         }
+        put(1, 7, through);
+        put(2, 9, through);
         let law = |kt: f64, t: f64| {
             let t = t.max(LEAST_T);
             [t, kt / t]
@@ -156,37 +165,48 @@ impl FibreTable {
             row[3][1] * medulla_t,
             row[3][2] * medulla_t,
         ];
-        [
-            [surface, through, fourth, fourth * slope],
-            r,
-            terms(7, through),
-            terms(9, through),
-            [
-                through * t,
-                through * k,
-                fourth * medulla_t,
-                fourth * medulla_k,
-            ],
-            medulla.map(|x| fourth * x),
-        ]
+        out[0] = [surface, through, fourth, fourth * slope];
+        out[1] = [
+            through * t,
+            through * k,
+            fourth * medulla_t,
+            fourth * medulla_k,
+        ];
+        out[2] = medulla.map(|x| fourth * x);
+        out
     }
 }
 
-/// A mixture of two rows.
-pub fn mean_row_mix<T: Real>(a: &MeanRow<T>, b: &MeanRow<T>, fraction: T) -> MeanRow<T> {
-    std::array::from_fn(|v| std::array::from_fn(|i| a[v][i] + (b[v][i] - a[v][i]) * fraction))
+/// A mixture of two rows; `fine`: with eight terms.
+pub fn short_row_mix<T: Real>(
+    a: &ShortRow<T>,
+    b: &ShortRow<T>,
+    fraction: T,
+    fine: bool,
+) -> ShortTerms<T> {
+    let mix = |v: usize| std::array::from_fn(|i| a[v][i] + (b[v][i] - a[v][i]) * fraction);
+    let mut out = [[T::zero(); 4]; 9];
+    for (i, v) in out.iter_mut().enumerate() {
+        match i {
+            0..3 => *v = mix(i),
+            _ if fine => *v = mix(i + 3),
+            3 | 5 | 7 => *v = mix((i + 3) / 2),
+            _ => {}
+        }
+    }
+    out
 }
 
 /// Prepares a fibre for the lights of one pixel; see [`fibre_shading`](super::fibre_shading). `frequency`: see
 /// [`fibre_along`](super::fibre_along), 0 where no shadow lies along the fibre.
-pub fn mean_shading<T: Real>(
-    head: &[[T; 4]; MEAN_HEAD_VEC4S],
-    row: &MeanRow<T>,
+pub fn short_shading<T: Real>(
+    head: &[[T; 4]; SHORT_HEAD_VEC4S],
+    row: &ShortTerms<T>,
     albedo: [T; 3],
     omega_o: [T; 3],
     dark_back: T,
     frequency: T,
-) -> MeanShading<T> {
+) -> ShortShading<T> {
     let (zero, one) = (T::zero(), T::one());
     let ((sine, cosine), azimuth) = polar(omega_o);
     let eye = [head[0], head[1]]
@@ -199,16 +219,16 @@ pub fn mean_shading<T: Real>(
     let [_, second, fourth, last] = row[0];
     let per = |energy: T| one / energy.max(real(1e-9));
     let last = last * per(if structural { second } else { fourth });
-    let [t, k] = [row[4][0], row[4][1]].map(|x| x * per(second));
-    let of_medulla = [row[4][2], row[4][3], row[5][2], row[5][3]].map(|x| x * per(fourth));
+    let [t, k] = [row[1][0], row[1][1]].map(|x| x * per(second));
+    let of_medulla = [row[1][2], row[1][3], row[2][2], row[2][3]].map(|x| x * per(fourth));
     let [medulla_t, medulla_k, around, along] = of_medulla;
-    let mut s = MeanShading {
+    let mut s = ShortShading {
         energy: [row[0][0], row[0][1], row[0][2]],
-        series: [row[1], row[2], row[3]],
+        series: [3, 5, 7].map(|v| std::array::from_fn(|n| row[v + n / 4][n % 4])),
         second: [zero; 3],
         scattered: [zero; 3],
         dense: [zero; 3],
-        medulla: [row[5][0], row[5][1], last * forward],
+        medulla: [row[2][0], row[2][1], last * forward],
         around: [zero; 3],
         along: [zero; 3],
         eye,
@@ -243,7 +263,7 @@ pub fn mean_shading<T: Real>(
 }
 
 /// Energies of R, of TT or TRcT, and of the medulla.
-pub fn mean_energies<T: Real>(s: &MeanShading<T>) -> (T, [T; 3], [T; 3]) {
+pub fn short_energies<T: Real>(s: &ShortShading<T>) -> (T, [T; 3], [T; 3]) {
     (
         s.energy[0],
         s.second.map(|x| s.energy[1] * x),
@@ -252,23 +272,18 @@ pub fn mean_energies<T: Real>(s: &MeanShading<T>) -> (T, [T; 3], [T; 3]) {
 }
 
 /// K for light from `omega_i`, by how its light moves inside the fibre; see [`fibre_lobes`](super::fibre_lobes).
-pub fn mean_lobes<T: Real>(s: &MeanShading<T>, omega_i: [T; 3]) -> FibreLobes<T> {
+pub fn short_lobes<T: Real>(s: &ShortShading<T>, omega_i: [T; 3]) -> FibreLobes<T> {
     let (zero, one, two) = (T::zero(), T::one(), real::<T>(2.0));
     let (light, azimuth) = polar(omega_i);
     let o = s.azimuth;
     let turn = clamp(o[0] * azimuth[0] + o[1] * azimuth[1], -one, one);
-    let second = two * turn * turn - one;
-    let cosines = [
-        turn,
-        second,
-        turn * (two * second - one),
-        two * second * second - one,
-    ];
-    let density = |energy: T, terms: &[T; MEAN_COSINES]| {
-        terms
-            .iter()
-            .zip(cosines)
-            .fold(energy, |sum, (a, b)| sum + *a * b)
+    let density = |energy: T, terms: &[T; FIBRE_HARMONICS]| {
+        let (mut sum, mut now, mut before) = (energy, turn, one);
+        for term in terms {
+            sum = sum + *term * now;
+            (now, before) = (two * turn * now - before, now);
+        }
+        sum
     };
     let m = |i: usize| longitudinal_with(s.eye[i], light, s.spread[i]);
     let surface = density(s.energy[0], &s.series[0]).max(zero) * m(0);
@@ -294,7 +309,7 @@ pub fn mean_lobes<T: Real>(s: &MeanShading<T>, omega_i: [T; 3]) -> FibreLobes<T>
     let through = m(1);
     let dense = density(s.energy[1], &s.series[2]);
     let [first, twice, slope] = s.medulla;
-    let scattered = (s.energy[2] + first * turn + twice * second).max(zero)
+    let scattered = (s.energy[2] + first * turn + twice * (two * turn * turn - one)).max(zero)
         * light.1
         * (one + slope * light.0).max(zero)
         * real(1.0 / (PI * PI));
@@ -309,8 +324,8 @@ pub fn mean_lobes<T: Real>(s: &MeanShading<T>, omega_i: [T; 3]) -> FibreLobes<T>
 }
 
 /// K of a fibre among others; see [`fibre_lit`](super::fibre_lit).
-pub fn mean_lit<T: Real>(
-    s: &MeanShading<T>,
+pub fn short_lit<T: Real>(
+    s: &ShortShading<T>,
     lobes: &FibreLobes<T>,
     reach: &FibreReach<T>,
 ) -> [T; 3] {
