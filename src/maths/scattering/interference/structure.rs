@@ -1,7 +1,7 @@
 //! The surface of an iridescent barbule as biologists describe it.
 
 use crate::parameter::Parameter;
-use bevy::reflect::Reflect;
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use serde::{Deserialize, Serialize};
 
 /// What the layers of melanosomes are.
@@ -40,6 +40,7 @@ pub enum Base {
 /// Peaks lie at about 1.6 (rods) to 1.2 (hollow platelets) times twice the period and move to shorter wavelengths away from the
 /// normal.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[reflect(Default)]
 #[serde(default, deny_unknown_fields)]
 pub struct Iridescence {
     /// What the melanosomes are.
