@@ -18,6 +18,8 @@ pub struct Growth {
     pub errors: Vec<String>,
     /// Card meshes that are there, wanted by a plumage or made by hand.
     pub card_meshes: usize,
+    /// Of these, the ones that wait for their material (tables of thin layers take a moment).
+    pub undrawn: usize,
 }
 
 impl Growth {
@@ -34,7 +36,15 @@ impl Growth {
             growth.grown += usize::from(state.is_ready() && state.error.is_none());
             growth.errors.extend(state.error.clone());
         }
-        growth.card_meshes = world.query::<&PlumageCards>().iter(world).count();
+        type Drawn = (
+            Has<MeshMaterial3d<FeatherMaterial>>,
+            Has<MeshMaterial3d<StandardMaterial>>,
+        );
+        let mut cards = world.query_filtered::<Drawn, With<PlumageCards>>();
+        for (full, fallback) in cards.iter(world) {
+            growth.card_meshes += 1;
+            growth.undrawn += usize::from(!full && !fallback);
+        }
         growth
     }
 
@@ -45,7 +55,7 @@ impl Growth {
 
     /// Whether every coat has grown or failed.
     pub fn is_settled(&self) -> bool {
-        let settled = self.grown + self.errors.len() >= self.wanted;
+        let settled = self.grown + self.errors.len() >= self.wanted && self.undrawn == 0;
         settled && (self.wanted > 0 || !self.is_bare())
     }
 }
