@@ -7,3 +7,4 @@ mod coat;
 mod order;
 mod paint;
 mod plugin;
+mod proportions;
