@@ -82,7 +82,7 @@ cards=$(mktemp -d)
 judge() { # bird, view, picture, arguments...
     local bird=$1 view=$2 picture=$3
     shift 3
-    ${CARGO:-cargo} run -q --features inspector,photo --example "$bird" -- --headless --frames 1 --output "$cards/$picture.png" --view card --time 0 "$@" >/dev/null
+    ${CARGO:-cargo} run -q --features inspector,photo --example "$bird" -- --headless --frames 1 --output "$cards/$picture.png" --view card --accumulate "$samples" "$@" >/dev/null
     echo "$picture"
     ${CARGO:-cargo} run -q -p plumage_tools --bin picture_judge -- "$bird" "$view" "$out/$picture.png" "$cards/$picture.png" || true
 }

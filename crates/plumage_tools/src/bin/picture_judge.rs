@@ -1,7 +1,7 @@
 //! Judges a picture of a bird against photographs: outline, specks, wing, proportions, colors, contrast, highlights, clipping.
 //!
 //! `cargo run -p plumage_tools --bin picture_judge -- parrot front picture.png cards.png`: `cards.png` is the same picture with
-//! `--view card`, which says where the bird is.
+//! `--view card` (and the same `--accumulate`), which says where the bird is.
 
 use clap::{Parser, ValueEnum};
 use plumage_tools::judge::{Species, Subject, View};
