@@ -10,18 +10,20 @@ show() { # example, picture, arguments...
     echo "gallery: $picture"
     ${CARGO:-cargo} run -q --features inspector,photo --example "$example" -- --headless --frames 1 --output "$out/$picture.png" --stats "$out/stats/$picture.json" "$@" >/dev/null
 }
-show parrot parrot --size 800x600 --time 0
+# Whole birds without noise: frames averaged for each picture; more on a machine with a GPU.
+samples=${SAMPLES:-16}
+show parrot parrot --size 800x600 --accumulate "$samples"
 show parrot parrot_stretch --size 640x480 --time 2.9
-show parrot parrot_back --size 640x480 --camera back --time 0
-show parrot parrot_full --size 640x480 --camera full --time 0
+show parrot parrot_back --size 640x480 --camera back --accumulate "$samples"
+show parrot parrot_full --size 640x480 --camera full --accumulate "$samples"
 show parrot parrot_closeup --size 640x480 --camera closeup --time 0
 show parrot parrot_macro --size 640x480 --camera macro --time 0
 show parrot parrot_far --size 640x480 --camera far --time 0
 show parrot parrot_cards --size 640x480 --time 0 --view card
 show inspector inspector --size 1280x720 --time 1 --density 0.2
-show eagle eagle --size 800x600 --time 0
-show eagle eagle_full --size 640x480 --camera full --time 0
-show eagle eagle_back --size 640x480 --camera back --time 0
+show eagle eagle --size 800x600 --accumulate "$samples"
+show eagle eagle_full --size 640x480 --camera full --accumulate "$samples"
+show eagle eagle_back --size 640x480 --camera back --accumulate "$samples"
 show eagle eagle_closeup --size 640x480 --camera closeup --time 0
 show eagle eagle_stretch --size 640x480 --time 3.9
 show single_feather feather --size 480x640
@@ -85,4 +87,20 @@ convert "$out"/iridescent_at_{0,15,30,45,60,75}.png +append "$out/iridescent_tur
 rm "$out"/iridescent_*_*.png "$out"/stats/iridescent_*.json
 echo "gallery: curves, and the same feather as the plugin draws it"
 ${CARGO:-cargo} run -q -p plumage_tools --bin explicit_curves -- "$out"
+echo "gallery: the birds, judged against photographs"
+cards=$(mktemp -d)
+judge() { # bird, view, picture, arguments...
+    local bird=$1 view=$2 picture=$3
+    shift 3
+    ${CARGO:-cargo} run -q --features inspector,photo --example "$bird" -- --headless --frames 1 --output "$cards/$picture.png" --view card --accumulate "$samples" "$@" >/dev/null
+    echo "$picture"
+    ${CARGO:-cargo} run -q -p plumage_tools --bin picture_judge -- "$bird" "$view" "$out/$picture.png" "$cards/$picture.png" || true
+}
+judge parrot front parrot --size 800x600
+judge parrot side parrot_full --size 640x480 --camera full
+judge parrot back parrot_back --size 640x480 --camera back
+judge eagle front eagle --size 800x600
+judge eagle side eagle_full --size 640x480 --camera full
+judge eagle back eagle_back --size 640x480 --camera back
+rm -r "$cards"
 echo "gallery: all pictures are in $out/"

@@ -10,6 +10,8 @@ use std::f32::consts::{PI, TAU};
 
 /// Radius for which the bark is drawn, metres; on others it scales with them.
 const TWIG: f32 = 0.022;
+/// Length of a ring of the mesh, metres.
+const RING: f32 = 0.0018;
 /// Half of the length on which birds sit: there the branch is straight and free of knots, metres.
 const SEAT: f32 = 0.22;
 /// Knots: place along the branch in metres, angle around it, size.
@@ -62,8 +64,8 @@ fn bark(x: f32, a: f32, size: f32) -> (f32, Vec3) {
 
 /// A branch along x about the origin.
 pub fn branch(radius: f32, length: f32) -> Mesh {
-    let (rings, sides) = (900_u32, 128_u32);
     let half = 0.5 * length + radius;
+    let (rings, sides) = ((2.0 * half / RING) as u32, 128_u32);
     let size = radius / TWIG;
     let (mut positions, mut colors, mut uvs) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..=rings {
@@ -76,11 +78,12 @@ pub fn branch(radius: f32, length: f32) -> Mesh {
             out * noise(Vec3::new(x * 4.0, 7.7, 2.5)),
         );
         let taper = 1.0 + 0.10 * ((x.abs() - SEAT).max(0.0) * x.signum() / half);
+        let closed = ((half - x.abs()) / (2.0 * radius)).clamp(0.0, 1.0).sqrt();
         for j in 0..=sides {
             // The seam lies below.
             let a = TAU * (j % sides) as f32 / sides as f32 + PI;
             let (height, color) = bark(x, a, size);
-            let r = radius * (taper + height);
+            let r = radius * (taper + height) * closed;
             positions.push((centre + Vec3::new(0.0, a.cos(), a.sin()) * r).to_array());
             uvs.push([j as f32 / sides as f32, x]);
             colors.push(color.extend(1.0).to_array());

@@ -151,9 +151,9 @@ pub fn bird(assets: &AssetServer, name: &str, phase: f32) -> impl Bundle {
 pub struct Perch(pub f32, pub f32, pub f32);
 
 /// What the parrot of `assets/birds` holds.
-pub const PARROT_PERCH: Perch = Perch(0.022, 1.5, 0.024);
+pub const PARROT_PERCH: Perch = Perch(0.022, 2.2, 0.024);
 /// What the eagle holds.
-pub const EAGLE_PERCH: Perch = Perch(0.035, 1.7, 0.060);
+pub const EAGLE_PERCH: Perch = Perch(0.035, 2.6, 0.060);
 
 fn grow_perch(
     add: On<Add, Perch>,

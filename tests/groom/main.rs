@@ -7,4 +7,5 @@ mod coat;
 mod order;
 mod paint;
 mod plugin;
+mod proportions;
 mod skin_color;

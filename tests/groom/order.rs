@@ -7,7 +7,7 @@ use plumage_tests::{
 };
 use std::sync::OnceLock;
 
-fn groomed(name: &'static str) -> &'static (SceneBird, Coat) {
+pub fn groomed(name: &'static str) -> &'static (SceneBird, Coat) {
     static PARROT: OnceLock<(SceneBird, Coat)> = OnceLock::new();
     static EAGLE: OnceLock<(SceneBird, Coat)> = OnceLock::new();
     let cell = if name == "parrot" { &PARROT } else { &EAGLE };

@@ -2,5 +2,6 @@
 //!
 //! It may use the library, its references and the tests' support; nothing may use it.
 
+pub mod judge;
 pub mod plot;
 pub mod presets;

@@ -1,0 +1,69 @@
+//! Judges a picture of a bird against photographs: outline, specks, wing, proportions, colors, contrast, highlights, clipping.
+//!
+//! `cargo run -p plumage_tools --bin picture_judge -- parrot front picture.png cards.png`: `cards.png` is the same picture with
+//! `--view card` (and the same `--accumulate`), which says where the bird is.
+
+use clap::{Parser, ValueEnum};
+use plumage_tools::judge::{Species, Subject, View};
+use std::{error::Error, path::PathBuf, process::ExitCode};
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Bird {
+    Parrot,
+    Eagle,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Side {
+    Front,
+    Side,
+    Back,
+}
+
+/// What is judged.
+#[derive(Parser)]
+struct Args {
+    /// Which bird.
+    bird: Bird,
+    /// From where it is seen.
+    view: Side,
+    /// The picture.
+    picture: PathBuf,
+    /// The same with `--view card`.
+    cards: PathBuf,
+}
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let args = Args::parse();
+    let (picture, cards) = (
+        image::open(&args.picture)?.to_rgb8(),
+        image::open(&args.cards)?.to_rgb8(),
+    );
+    if picture.dimensions() != cards.dimensions() {
+        return Err("the two pictures differ in size".into());
+    }
+    let width = picture.width() as usize;
+    let species = match args.bird {
+        Bird::Parrot => Species::Macaw,
+        Bird::Eagle => Species::Eagle,
+    };
+    let view = match args.view {
+        Side::Front => View::Front,
+        Side::Side => View::Side,
+        Side::Back => View::Back,
+    };
+    let lines = Subject::new(picture.as_raw(), cards.as_raw(), width).judge(species, view);
+    println!("| line | what | found | wanted | |\n|---|---|---|---|---|");
+    for line in &lines {
+        let verdict = if line.passes() { "pass" } else { "fail" };
+        println!(
+            "| {} | {} | {:.3} | {:.3} to {:.3} | {verdict} |",
+            line.number, line.what, line.found, line.wanted.0, line.wanted.1
+        );
+    }
+    Ok(if lines.iter().all(|line| line.passes()) {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
+}

@@ -1,0 +1,400 @@
+//! What can be measured of a picture of a bird: outline, specks, proportions, colors, contrast by scale, highlights, light.
+//!
+//! Bounds and their sources are those of photographs of a golden eagle, a scarlet and a green-winged macaw.
+
+use std::collections::VecDeque;
+
+/// Weights of linear sRGB in luminance.
+const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+/// Most specks among 10,000 pixels: photographs have 0.8 to 3.3.
+const SPECKS: f32 = 5.0;
+/// How far a speck stands out, share of the median around it.
+const STANDS_OUT: f32 = 0.12;
+
+/// Which bird is judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Species {
+    /// Scarlet macaw.
+    Macaw,
+    /// Golden eagle.
+    Eagle,
+}
+
+/// From where it is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// Three-quarter front.
+    Front,
+    /// From the side.
+    Side,
+    /// From behind.
+    Back,
+}
+
+/// One line of the list.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Number in the list.
+    pub number: u32,
+    /// What is judged.
+    pub what: &'static str,
+    /// What was found.
+    pub found: f32,
+    /// Least and most that is accepted.
+    pub wanted: (f32, f32),
+}
+
+impl Line {
+    /// Whether the picture is accepted.
+    pub fn passes(&self) -> bool {
+        (self.wanted.0..=self.wanted.1).contains(&self.found)
+    }
+}
+
+/// A picture and which of its pixels show the bird.
+pub struct Subject {
+    width: usize,
+    height: usize,
+    /// Shown values, sRGB 0..1.
+    pixels: Vec<[f32; 3]>,
+    mask: Vec<bool>,
+}
+
+/// Hue in degrees, saturation and value.
+fn hsv([r, g, b]: [f32; 3]) -> [f32; 3] {
+    let (high, low) = (r.max(g).max(b), r.min(g).min(b));
+    let spread = high - low;
+    let hue = if spread <= 0.0 {
+        0.0
+    } else if high == r {
+        60.0 * ((g - b) / spread).rem_euclid(6.0)
+    } else if high == g {
+        60.0 * ((b - r) / spread + 2.0)
+    } else {
+        60.0 * ((r - g) / spread + 4.0)
+    };
+    [hue, if high > 0.0 { spread / high } else { 0.0 }, high]
+}
+
+fn linear(c: f32) -> f32 {
+    if c <= 0.040_45 {
+        c / 12.92
+    } else {
+        ((c + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+fn median(mut values: Vec<f32>) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    values.sort_by(f32::total_cmp);
+    values[values.len() / 2]
+}
+
+impl Subject {
+    /// Of bytes RGB. The bird is what a view by card numbers, of the same camera, colors otherwise than `picture`.
+    pub fn new(picture: &[u8], cards: &[u8], width: usize) -> Self {
+        let shown = |bytes: &[u8]| -> Vec<[f32; 3]> {
+            let pixels = bytes.chunks_exact(3);
+            pixels
+                .map(|p| [p[0], p[1], p[2]].map(|c| f32::from(c) / 255.0))
+                .collect()
+        };
+        let (pixels, cards) = (shown(picture), shown(cards));
+        let mask: Vec<bool> = pixels
+            .iter()
+            .zip(&cards)
+            .map(|(a, b)| (0..3).any(|c| (a[c] - b[c]).abs() > 0.02))
+            .collect();
+        let height = pixels.len() / width.max(1);
+        Self {
+            width,
+            height,
+            pixels,
+            mask,
+        }
+    }
+
+    fn neighbors(&self, i: usize, reach: usize) -> impl Iterator<Item = usize> + '_ {
+        let (x, y) = (i % self.width, i / self.width);
+        let columns = x.saturating_sub(reach)..=(x + reach).min(self.width - 1);
+        let rows = y.saturating_sub(reach)..=(y + reach).min(self.height - 1);
+        rows.flat_map(move |v| columns.clone().map(move |u| v * self.width + u))
+    }
+
+    /// Pixels of the largest piece of the mask; pieces may be parted by a pixel.
+    fn body(&self) -> Vec<bool> {
+        let mut piece = vec![0_u32; self.mask.len()];
+        let (mut count, mut largest) = (0, (0, 0));
+        for start in 0..self.mask.len() {
+            if !self.mask[start] || piece[start] != 0 {
+                continue;
+            }
+            count += 1;
+            piece[start] = count;
+            let (mut size, mut open) = (0, VecDeque::from([start]));
+            while let Some(i) = open.pop_front() {
+                size += 1;
+                for k in self.neighbors(i, 2) {
+                    if self.mask[k] && piece[k] == 0 {
+                        piece[k] = count;
+                        open.push_back(k);
+                    }
+                }
+            }
+            largest = largest.max((size, count));
+        }
+        piece
+            .into_iter()
+            .map(|p| p != 0 && p == largest.1)
+            .collect()
+    }
+
+    fn is_inside(&self, i: usize, reach: usize) -> bool {
+        let (x, y) = (i % self.width, i / self.width);
+        x >= reach
+            && y >= reach
+            && x + reach < self.width
+            && y + reach < self.height
+            && self.neighbors(i, reach).all(|k| self.mask[k])
+    }
+
+    fn luminance(&self, i: usize) -> f32 {
+        (0..3).map(|c| LUMINANCE[c] * self.pixels[i][c]).sum()
+    }
+
+    /// Pixels that stand out from all eight neighbors, among 10,000.
+    fn specks(&self) -> f32 {
+        let (mut specks, mut all) = (0.0, 0.0);
+        for i in (0..self.mask.len()).filter(|i| self.is_inside(*i, 4)) {
+            all += 1.0;
+            let own = self.luminance(i);
+            let around = median(self.neighbors(i, 2).map(|k| self.luminance(k)).collect());
+            let off = |k: usize| own - self.luminance(k);
+            let margin = STANDS_OUT * around;
+            let others = || self.neighbors(i, 1).filter(|k| *k != i);
+            if others().all(|k| off(k) > margin) || others().all(|k| off(k) < -margin) {
+                specks += 1.0;
+            }
+        }
+        1.0e4 * specks / f32::max(all, 1.0)
+    }
+
+    /// Left, top, right and lower edge of the body.
+    fn extent(&self, body: &[bool]) -> [usize; 4] {
+        let mut edges = [self.width, self.height, 0, 0];
+        for i in (0..body.len()).filter(|i| body[*i]) {
+            let (x, y) = (i % self.width, i / self.width);
+            edges = [
+                edges[0].min(x),
+                edges[1].min(y),
+                edges[2].max(x + 1),
+                edges[3].max(y + 1),
+            ];
+        }
+        edges
+    }
+
+    /// The breast: of the rows from a quarter to a half of the crown-to-tail height, the middle third of each.
+    fn breast(&self, [_, top, _, low]: [usize; 4]) -> Vec<usize> {
+        let tall = low.saturating_sub(top);
+        let rows = top + tall / 4..top + tall / 2;
+        rows.flat_map(|y| {
+            let row: Vec<usize> = (y * self.width..(y + 1) * self.width)
+                .filter(|i| self.mask[*i])
+                .collect();
+            let n = row.len();
+            row.get(n / 3..2 * n / 3).unwrap_or_default().to_vec()
+        })
+        .collect()
+    }
+
+    /// Width of the widest row but a hundredth over the height of the body.
+    fn slenderness(&self, body: &[bool], edges: [usize; 4]) -> f32 {
+        let mut widths: Vec<usize> = (edges[1]..edges[3])
+            .map(|y| {
+                let row = &body[y * self.width..(y + 1) * self.width];
+                let first = row.iter().position(|b| *b);
+                let last = row.iter().rposition(|b| *b);
+                first.zip(last).map_or(0, |(a, b)| b + 1 - a)
+            })
+            .collect();
+        widths.sort_unstable();
+        let rank = widths.len().saturating_sub(1 + widths.len() / 100);
+        let widest = widths.get(rank).copied().unwrap_or(0);
+        widest as f32 / (edges[3].saturating_sub(edges[1])).max(1) as f32
+    }
+
+    /// Contrast of the red channel in four octaves of scale around the pixels: the difference of two Gaussians over the mean.
+    pub fn octaves(&self, at: &[usize]) -> [f32; 4] {
+        let red: Vec<f32> = self.pixels.iter().map(|p| linear(p[0])).collect();
+        let levels: Vec<Vec<f32>> = [0.5, 1.0, 2.0, 4.0, 8.0]
+            .map(|sigma| gaussian(&red, &self.mask, self.width, sigma))
+            .into();
+        let n = at.len().max(1) as f32;
+        let mean = at.iter().map(|i| red[*i]).sum::<f32>() / n;
+        std::array::from_fn(|k| {
+            let square: f32 = at
+                .iter()
+                .map(|i| (levels[k][*i] - levels[k + 1][*i]).powi(2))
+                .sum();
+            (square / n).sqrt() / mean.max(1.0e-6)
+        })
+    }
+
+    /// The lines of the list that a program can judge.
+    pub fn judge(&self, species: Species, view: View) -> Vec<Line> {
+        let mut lines = Vec::new();
+        let mut line = |number, what, found, wanted| {
+            lines.push(Line {
+                number,
+                what,
+                found,
+                wanted,
+            });
+        };
+        let macaw = species == Species::Macaw;
+        let body = self.body();
+        let edges = self.extent(&body);
+        let count = self.mask.iter().filter(|m| **m).count().max(1) as f32;
+        let share = |of: &dyn Fn([f32; 3]) -> bool| {
+            let inside = (0..self.mask.len()).filter(|i| self.mask[*i]);
+            100.0 * inside.filter(|i| of(self.pixels[*i])).count() as f32 / count
+        };
+        let stray = (0..body.len()).filter(|i| self.mask[*i] && !body[*i]);
+        line(
+            1,
+            "pixels away from the body",
+            stray.count() as f32,
+            (0.0, 0.0),
+        );
+        line(2, "specks in 10,000", self.specks(), (0.0, SPECKS));
+        if macaw && view == View::Side {
+            let yellow = |p: [f32; 3]| {
+                let [h, s, v] = hsv(p);
+                (38.0..62.0).contains(&h) && s > 0.6 && v > 0.4
+            };
+            line(
+                3,
+                "yellow of the wing, % of the bird",
+                share(&yellow),
+                (3.0, 12.0),
+            );
+        }
+        if view == View::Back {
+            let wanted = if macaw { (0.22, 0.26) } else { (0.38, 0.45) };
+            line(
+                4,
+                "width over height",
+                self.slenderness(&body, edges),
+                wanted,
+            );
+            let light: Vec<f32> = (0..body.len())
+                .filter(|i| body[*i])
+                .map(|i| 255.0 * self.luminance(i))
+                .collect();
+            let mean = light.iter().sum::<f32>() / light.len().max(1) as f32;
+            let least = if macaw { 45.0 } else { 35.0 };
+            line(4, "mean of the back, of 255", mean, (least, 255.0));
+        }
+        if !macaw && view == View::Front {
+            line(
+                5,
+                "width over height",
+                self.slenderness(&body, edges),
+                (0.45, 0.55),
+            );
+        }
+        let breast = self.breast(edges);
+        let of = |part: &dyn Fn([f32; 3]) -> f32| {
+            median(breast.iter().map(|i| part(self.pixels[*i])).collect())
+        };
+        let saturation = of(&|p| hsv(p)[1]);
+        if view != View::Back {
+            // Hues around red: 0 lies in the middle.
+            let hue = of(&|p| (hsv(p)[0] + 180.0).rem_euclid(360.0) - 180.0);
+            if macaw {
+                line(6, "hue of the breast", hue, (3.0, 14.0));
+                line(6, "saturation of the breast", saturation, (0.75, 0.92));
+                let ratio = of(&|p| linear(p[1]) / linear(p[2]).max(1.0e-4));
+                line(6, "green over blue of the breast", ratio, (1.5, 100.0));
+            } else {
+                line(6, "hue of the breast", hue, (12.0, 32.0));
+            }
+            let pale = breast
+                .iter()
+                .filter(|i| hsv(self.pixels[**i])[1] < 0.55 * saturation)
+                .count();
+            let pale = 100.0 * pale as f32 / breast.len().max(1) as f32;
+            line(8, "pale pixels of the breast, %", pale, (0.0, 0.1));
+        }
+        if macaw {
+            let olive = |p: [f32; 3]| {
+                let [h, s, v] = hsv(p);
+                (25.0..75.0).contains(&h) && s > 0.3 && (0.15..0.5).contains(&v)
+            };
+            line(6, "olive, % of the bird", share(&olive), (0.0, 0.2));
+        }
+        let mauve = |p: [f32; 3]| {
+            let [h, s, v] = hsv(p);
+            (270.0..345.0).contains(&h) && s > 0.25 && v > 0.15
+        };
+        line(6, "mauve, % of the bird", share(&mauve), (0.0, 0.2));
+        if view == View::Front {
+            let wanted = if macaw {
+                [0.040, 0.039, 0.046, 0.053]
+            } else {
+                [0.193, 0.212, 0.177, 0.152]
+            };
+            let names = [
+                "contrast, 0.5 to 1 px",
+                "contrast, 1 to 2 px",
+                "contrast, 2 to 4 px",
+                "contrast, 4 to 8 px",
+            ];
+            let found = self.octaves(&breast);
+            for ((name, wanted), found) in names.into_iter().zip(wanted).zip(found) {
+                line(7, name, found, (0.65 * wanted, 1.35 * wanted));
+            }
+        }
+        let clipped = share(&|p| p.iter().any(|c| *c >= 254.5 / 255.0));
+        line(9, "clipped, % of the bird", clipped, (0.0, 0.5));
+        lines
+    }
+}
+
+/// A Gaussian of `sigma` pixels over the masked pixels.
+fn gaussian(values: &[f32], mask: &[bool], width: usize, sigma: f32) -> Vec<f32> {
+    let reach = (3.0 * sigma).ceil() as isize;
+    let weights: Vec<f32> = (-reach..=reach)
+        .map(|d| (-0.5 * (d as f32 / sigma).powi(2)).exp())
+        .collect();
+    let height = values.len() / width;
+    let pass = |field: &[(f32, f32)], across: bool| -> Vec<(f32, f32)> {
+        (0..field.len())
+            .map(|i| {
+                let (x, y) = ((i % width) as isize, (i / width) as isize);
+                let mut sum = (0.0, 0.0);
+                for (w, d) in weights.iter().zip(-reach..=reach) {
+                    let (u, v) = if across { (x + d, y) } else { (x, y + d) };
+                    if (0..width as isize).contains(&u) && (0..height as isize).contains(&v) {
+                        let (value, weight) = field[(v * width as isize + u) as usize];
+                        sum.0 += w * value;
+                        sum.1 += w * weight;
+                    }
+                }
+                sum
+            })
+            .collect()
+    };
+    let start: Vec<(f32, f32)> = values
+        .iter()
+        .zip(mask)
+        .map(|(v, m)| if *m { (*v, 1.0) } else { (0.0, 0.0) })
+        .collect();
+    pass(&pass(&start, true), false)
+        .into_iter()
+        .map(|(sum, weight)| sum / weight.max(1.0e-6))
+        .collect()
+}

@@ -1,0 +1,79 @@
+//! The judge of pictures: clean pictures pass, each fault fails its own line.
+
+use plumage_tools::judge::{Line, Species, Subject, View};
+
+const WIDTH: usize = 80;
+
+/// A red ellipse on dark green, and the view by card numbers that belongs to it.
+fn bird(color: [u8; 3]) -> (Vec<u8>, Vec<u8>) {
+    let (mut picture, mut cards) = (Vec::new(), Vec::new());
+    for y in 0..100 {
+        for x in 0..WIDTH {
+            let (u, v) = ((x as f32 - 40.0) / 22.0, (y as f32 - 50.0) / 45.0);
+            let inside = u * u + v * v < 1.0;
+            picture.extend(if inside { color } else { [20, 40, 12] });
+            cards.extend(if inside { [90, 90, 200] } else { [20, 40, 12] });
+        }
+    }
+    (picture, cards)
+}
+
+fn found(picture: &[u8], cards: &[u8], species: Species, view: View) -> Vec<Line> {
+    Subject::new(picture, cards, WIDTH).judge(species, view)
+}
+
+fn failures(lines: &[Line], number: u32) -> usize {
+    let of = lines.iter().filter(|line| line.number == number);
+    of.filter(|line| !line.passes()).count()
+}
+
+#[test]
+fn a_clean_scarlet_body_passes_and_each_fault_fails_its_line() {
+    let scarlet = [205, 52, 36];
+    let (picture, cards) = bird(scarlet);
+    let clean = found(&picture, &cards, Species::Macaw, View::Front);
+    for number in [1, 2, 6, 8, 9] {
+        assert_eq!(failures(&clean, number), 0, "{number}: {clean:?}");
+    }
+    // An even body has no detail at all.
+    assert_eq!(failures(&clean, 7), 4, "{clean:?}");
+    let at = |x: usize, y: usize| 3 * (y * WIDTH + x);
+    let set = |bytes: &mut Vec<u8>, x: usize, y: usize, color: [u8; 3]| {
+        bytes[at(x, y)..at(x, y) + 3].copy_from_slice(&color);
+    };
+    let (mut speckled, mut stray) = (picture.clone(), (picture.clone(), cards.clone()));
+    for k in 0..8 {
+        set(&mut speckled, 30 + 3 * k, 50, [255, 180, 150]);
+    }
+    let lines = found(&speckled, &cards, Species::Macaw, View::Front);
+    assert_eq!(failures(&lines, 2), 1, "{lines:?}");
+    set(&mut stray.0, 5, 5, scarlet);
+    set(&mut stray.1, 5, 5, [90, 90, 200]);
+    let lines = found(&stray.0, &stray.1, Species::Macaw, View::Front);
+    assert_eq!(failures(&lines, 1), 1, "{lines:?}");
+    let (crimson, cards) = bird([178, 37, 41]);
+    let lines = found(&crimson, &cards, Species::Macaw, View::Front);
+    assert!(failures(&lines, 6) >= 2, "{lines:?}");
+    let (dark, cards) = bird([20, 16, 12]);
+    let lines = found(&dark, &cards, Species::Eagle, View::Back);
+    assert_eq!(failures(&lines, 4), 2, "{lines:?}");
+}
+
+#[test]
+fn contrast_is_found_at_its_own_scale() {
+    for (period, octave) in [(4.0, 0), (8.0, 1), (16.0, 2), (32.0, 3)] {
+        let mut grey = Vec::new();
+        for i in 0..WIDTH * 100 {
+            let (x, y) = ((i % WIDTH) as f32, (i / WIDTH) as f32);
+            let turn = std::f32::consts::TAU / period;
+            let wave = (turn * x).sin() * (turn * y).sin();
+            grey.extend([(128.0 + 50.0 * wave) as u8; 3]);
+        }
+        // Every pixel differs from a black view of cards: all of them are bird.
+        let subject = Subject::new(&grey, &vec![0; grey.len()], WIDTH);
+        let all: Vec<usize> = (0..WIDTH * 100).collect();
+        let found = subject.octaves(&all);
+        let strongest = (0..4).max_by(|a, b| found[*a].total_cmp(&found[*b]));
+        assert_eq!(strongest, Some(octave), "{period}: {found:?}");
+    }
+}

@@ -1,0 +1,94 @@
+//! Proportions of the posed birds at rest against photographs.
+
+use super::order::groomed;
+use bevy::math::Vec3;
+use plumage_tests::scene_bird::SceneBird;
+
+/// Height of a slice in which the width is measured, metres.
+const SLICE: f32 = 0.01;
+
+/// A bird at rest as a cloud of points, with the row or region of each card's points.
+struct Rest {
+    points: Vec<Vec3>,
+    secondaries: Vec<Vec3>,
+    /// Height of the crown, of the tip of the tail, and of what the bird stands on.
+    crown: f32,
+    tail: f32,
+    perch: f32,
+}
+
+fn rest(name: &'static str, perch: f32) -> Rest {
+    let (bird, coat) = groomed(name);
+    let pose = bird.skinning(Some(0.0));
+    let posed = bird.pose(coat, &SceneBird::vertices(coat), &pose);
+    let row = bird
+        .groom
+        .rows
+        .iter()
+        .position(|row| row.name == "secondaries")
+        .expect("a wing");
+    let region = (bird.groom.regions.len() + row) as u16;
+    let mut secondaries = Vec::new();
+    for (card, geometry) in coat.cards.iter().zip(&coat.geometry) {
+        if card.region == region {
+            let first = geometry.first_vertex as usize;
+            secondaries.extend(&posed.cards[first..first + geometry.vertex_count as usize]);
+        }
+    }
+    let mut points = posed.cards;
+    points.extend(posed.body.iter().flatten());
+    let heights = || points.iter().map(|p| p.y);
+    Rest {
+        secondaries,
+        crown: heights().fold(f32::MIN, f32::max),
+        tail: heights().fold(f32::MAX, f32::min),
+        perch,
+        points,
+    }
+}
+
+impl Rest {
+    /// The greatest width of a slice above the perch, seen from `angle` degrees off the bird's axis, without the outermost four-hundredth
+    /// of the points on either side: single feathers.
+    fn width(&self, angle: f32) -> f32 {
+        let (sine, cosine) = angle.to_radians().sin_cos();
+        let count = ((self.crown - self.perch) / SLICE) as usize;
+        let mut slices = vec![Vec::new(); count + 1];
+        for p in self.points.iter().filter(|p| p.y > self.perch) {
+            let slice = ((p.y - self.perch) / SLICE) as usize;
+            slices[slice].push(p.x * cosine - p.z * sine);
+        }
+        let width = |slice: &mut Vec<f32>| {
+            slice.sort_by(f32::total_cmp);
+            let cut = slice.len() / 400;
+            match slice.len() {
+                0 => 0.0,
+                n => slice[n - 1 - cut] - slice[cut],
+            }
+        };
+        slices.iter_mut().map(width).fold(0.0, f32::max)
+    }
+}
+
+#[test]
+fn birds_at_rest_have_the_proportions_of_photographs() {
+    // Width from behind over crown to tail tip, sleek; width in three-quarter view over crown to perch.
+    for (name, perch, behind, quarter) in
+        [("parrot", 0.024, 0.24, 0.56), ("eagle", 0.060, 0.40, 0.67)]
+    {
+        let rest = rest(name, perch);
+        let width = rest.width(0.0);
+        let slender = width / (rest.crown - rest.tail);
+        let wide = rest.width(45.0) / (rest.crown - rest.perch);
+        let inner = rest.secondaries.iter().map(|p| p.x.abs());
+        let parted = 2.0 * inner.fold(f32::MAX, f32::min) / width;
+        println!(
+            "{name}: behind {slender:.3}, three-quarter {wide:.3}, wings parted by {parted:.3}"
+        );
+        let off = |found: f32, photograph: f32| (found / photograph - 1.0).abs();
+        assert!(off(slender, behind) < 0.10, "{name}: {slender}");
+        assert!(off(wide, quarter) < 0.15, "{name}: {wide}");
+        // The wings meet over the rump.
+        assert!(parted < 0.12, "{name}: {parted}");
+    }
+}
