@@ -123,32 +123,31 @@ impl Subject {
         rows.flat_map(move |v| columns.clone().map(move |u| v * self.width + u))
     }
 
-    /// Pixels of the largest piece of the mask; pieces may be parted by a pixel.
+    /// Pixels of the pieces of the mask that hold at least a hundredth of it: a perch may hide what joins the tail to the body. A piece
+    /// may be parted by a pixel.
     fn body(&self) -> Vec<bool> {
-        let mut piece = vec![0_u32; self.mask.len()];
-        let (mut count, mut largest) = (0, (0, 0));
+        let mut piece = vec![0_usize; self.mask.len()];
+        let mut sizes = vec![0_usize];
         for start in 0..self.mask.len() {
             if !self.mask[start] || piece[start] != 0 {
                 continue;
             }
-            count += 1;
-            piece[start] = count;
+            let number = sizes.len();
+            piece[start] = number;
             let (mut size, mut open) = (0, VecDeque::from([start]));
             while let Some(i) = open.pop_front() {
                 size += 1;
                 for k in self.neighbors(i, 2) {
                     if self.mask[k] && piece[k] == 0 {
-                        piece[k] = count;
+                        piece[k] = number;
                         open.push_back(k);
                     }
                 }
             }
-            largest = largest.max((size, count));
+            sizes.push(size);
         }
-        piece
-            .into_iter()
-            .map(|p| p != 0 && p == largest.1)
-            .collect()
+        let least = sizes.iter().sum::<usize>().div_ceil(100).max(1);
+        piece.into_iter().map(|p| sizes[p] >= least).collect()
     }
 
     fn is_inside(&self, i: usize, reach: usize) -> bool {
