@@ -259,7 +259,9 @@ fn average(
             let at = accumulate::sample(args.seed, index);
             let world = app.world_mut();
             world.entity_mut(camera).insert((
-                TemporalJitter { offset: at.pixel },
+                TemporalJitter {
+                    offset: at.jitter(),
+                },
                 accumulate::through_lens(place, target, setting.aperture * at.lens),
             ));
             for (light, place) in &lights {
@@ -282,7 +284,9 @@ fn average(
         index += 1;
         frame(app);
         while let Some(image) = arrived.lock().ok().and_then(|mut all| all.remove(&next)) {
-            sum.add(linear(&image));
+            let colors: Vec<Vec3> = linear(&image).collect();
+            let sample = accumulate::sample(args.seed, next);
+            sum.add(&colors, args.size.0 as usize, &sample);
             next += 1;
         }
     }

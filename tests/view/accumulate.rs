@@ -12,7 +12,7 @@ use bevy::{
     prelude::*,
     render::camera::TemporalJitter,
 };
-use plumage_tests::app::Stage;
+use plumage_tests::app::{SIZE, Stage};
 
 fn picture(stage: &mut Stage, seed: u64, count: u32) -> Vec<Vec3> {
     let camera = stage.camera;
@@ -21,13 +21,16 @@ fn picture(stage: &mut Stage, seed: u64, count: u32) -> Vec<Vec3> {
     for index in 0..count {
         let at = sample(seed, index);
         let moved = through_lens(place, Vec3::ZERO, 1.0e-4 * at.lens);
-        let jitter = TemporalJitter { offset: at.pixel };
+        let jitter = TemporalJitter {
+            offset: at.jitter(),
+        };
         stage
             .app
             .world_mut()
             .entity_mut(camera)
             .insert((jitter, moved));
-        sum.add(stage.picture().into_iter().map(Vec3::from_array));
+        let frame: Vec<Vec3> = stage.picture().into_iter().map(Vec3::from_array).collect();
+        sum.add(&frame, SIZE as usize, &at);
     }
     stage.app.world_mut().entity_mut(camera).insert(place);
     sum.mean().collect()
