@@ -237,8 +237,8 @@ pub fn short_shading<T: Real>(
         back: [head[3][2], clamp(dark_back, zero, one)],
         structural,
     };
-    for c in 0..3 {
-        let y = (clamp(albedo[c], fresnel + real(0.002), real(0.995)) - fresnel) * per_rest;
+    for (c, &color) in albedo.iter().enumerate() {
+        let y = (clamp(color, fresnel + real(0.002), real(0.995)) - fresnel) * per_rest;
         if structural {
             // Core and round trips in one fraction.
             let (head_on, here) = (head[3][1], last);

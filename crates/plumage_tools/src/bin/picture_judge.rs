@@ -14,7 +14,7 @@ enum Bird {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Side {
+enum SeenFrom {
     Front,
     Side,
     Back,
@@ -26,7 +26,7 @@ struct Args {
     /// Which bird.
     bird: Bird,
     /// From where it is seen.
-    view: Side,
+    view: SeenFrom,
     /// The picture.
     picture: PathBuf,
     /// The same with `--view card`.
@@ -48,9 +48,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         Bird::Eagle => Species::Eagle,
     };
     let view = match args.view {
-        Side::Front => View::Front,
-        Side::Side => View::Side,
-        Side::Back => View::Back,
+        SeenFrom::Front => View::Front,
+        SeenFrom::Side => View::Side,
+        SeenFrom::Back => View::Back,
     };
     let lines = Subject::new(picture.as_raw(), cards.as_raw(), width).judge(species, view);
     println!("| line | what | found | wanted | |\n|---|---|---|---|---|");
