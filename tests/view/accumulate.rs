@@ -2,17 +2,17 @@
 
 #[path = "../../examples/helper/accumulate.rs"]
 #[allow(dead_code)]
-mod accumulate;
+mod sampling;
 #[path = "../../examples/helper/tone.rs"]
 mod tone;
 
-use accumulate::{Sum, sample, through_lens};
 use bevy::{
     core_pipeline::tonemapping::{DebandDither, Tonemapping},
     prelude::*,
     render::camera::TemporalJitter,
 };
 use plumage_tests::app::{SIZE, Stage};
+use sampling::{Sum, sample, through_lens};
 
 fn picture(stage: &mut Stage, seed: u64, count: u32) -> Vec<Vec3> {
     let camera = stage.camera;
@@ -65,7 +65,7 @@ fn more_frames_make_less_noise_and_a_seed_makes_its_picture_again() {
 #[test]
 fn samples_fill_the_pixel_the_lens_and_the_sun_evenly() {
     let all: Vec<_> = (0..256).map(|i| sample(3, i)).collect();
-    let mean = |of: &dyn Fn(&accumulate::Sample) -> f32| all.iter().map(of).sum::<f32>() / 256.0;
+    let mean = |of: &dyn Fn(&sampling::Sample) -> f32| all.iter().map(of).sum::<f32>() / 256.0;
     for (name, found, wanted) in [
         ("pixel x", mean(&|s| s.pixel.x), 0.0),
         ("pixel y", mean(&|s| s.pixel.y), 0.0),
