@@ -134,7 +134,7 @@ fn measures_see_displacements() {
 
 /// A slice of the photographs that `extract_charts` reports on: every fifth preset, small enough to take moments.
 fn slice() -> Vec<Case> {
-    let feathers = plumage_tests::shipped::feathers();
+    let feathers = plumage_tests::shipped::photographed();
     (0..24u64)
         .into_par_iter()
         .map(|i| {

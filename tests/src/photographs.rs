@@ -72,7 +72,7 @@ impl Case {
 
 /// The presets in turn; photograph `index` shows the one of that number.
 pub fn random_case(index: u64) -> (Feather, Setting) {
-    let all = crate::shipped::feathers();
+    let all = crate::shipped::photographed();
     let feather = all[index as usize % all.len()].clone();
     let setting = Setting::random(&feather, index);
     (feather, setting)

@@ -4,7 +4,8 @@ use bevy_plumage::{
     anatomy::Feather, asset::RonAsset, groom::Groom, maths::scattering::interference::Iridescence,
 };
 
-/// The names of all feathers: the macaw's, the eagle's, one neutral feather of each type.
+/// The names of all feathers: the macaw's, the eagle's, one neutral feather of each type; then, behind those that synthetic
+/// photographs show, what came later.
 pub const FEATHERS: [&str; 44] = [
     "macaw_head",
     "macaw_face_line",
@@ -23,7 +24,6 @@ pub const FEATHERS: [&str; 44] = [
     "eagle_bristle",
     "eagle_hackle",
     "eagle_contour",
-    "eagle_body",
     "eagle_soft",
     "eagle_semiplume",
     "eagle_lesser",
@@ -46,11 +46,15 @@ pub const FEATHERS: [&str; 44] = [
     "hackle",
     "bristle",
     "filoplume",
+    "eagle_body",
     "peacock_eye",
     "mallard_speculum",
     "pigeon_neck",
     "hummingbird_gorget",
 ];
+
+/// How many of them synthetic photographs show: a corpus stays the same whatever feathers are added.
+const PHOTOGRAPHED: usize = 39;
 
 /// The asset in a file below `assets/`.
 pub fn read<A: RonAsset>(path: &str) -> A {
@@ -68,6 +72,13 @@ pub fn feather(name: &str) -> Feather {
 /// All feathers, in the order of [`FEATHERS`].
 pub fn feathers() -> Vec<Feather> {
     FEATHERS.into_iter().map(feather).collect()
+}
+
+/// Those of synthetic photographs, in their order.
+pub fn photographed() -> Vec<Feather> {
+    let mut all = feathers();
+    all.truncate(PHOTOGRAPHED);
+    all
 }
 
 /// The groom of this name.
