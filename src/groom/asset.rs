@@ -51,8 +51,9 @@ pub struct Groom {
     #[reflect(@Length::new(0, 10_000))]
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub paint: Vec<Dab>,
-    /// Poses that the bird wears, at most 8: the coat is settled in all of them, the first above all; in bind pose without any.
-    #[reflect(@Length::new(0, 8))]
+    /// Poses that the bird wears, at most 5: the coat is settled in each of them, and worn as in the nearest; in bind pose without
+    /// any.
+    #[reflect(@Length::new(0, 5))]
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub poses: Vec<KeyPose>,
 }

@@ -17,6 +17,7 @@ use super::{
     select::select_triangles,
     settle::settle,
     skin::{SkinMesh, SurfacePoint, Weights, blend_weights},
+    worn::{MAX_POSES, WornPoses},
 };
 use crate::asset::RonAsset;
 use crate::maths::seed::{Stream, name_hash, place_hash};
@@ -54,6 +55,8 @@ pub struct Coat {
     pub down: Vec<DownTract>,
     /// Where each card takes the skin's color; empty unless the groom asks for it.
     pub roots: Vec<SurfacePoint>,
+    /// The poses that it was settled in.
+    pub worn: WornPoses,
 }
 
 /// The skin of a tract that carries down.
@@ -144,7 +147,7 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
     measure_cover(skin, &leaves, &mut down);
     order(&mut leaves, scattered);
     let crossings = layer::settle(&mut leaves[..scattered]);
-    press(bird, groom, skinned, &fans, &mut leaves);
+    let worn = press(bird, groom, skinned, &fans, &mut leaves);
     warnings.extend(
         missing
             .iter()
@@ -155,7 +158,7 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
     } else {
         Vec::new()
     };
-    let (mesh, geometry) = build_mesh(&mut leaves, skinned);
+    let (mesh, geometry) = build_mesh(&mut leaves, skinned, worn.reach);
     let cards = leaves.iter().map(|leaf| leaf.card).collect();
     Ok(Coat {
         cards,
@@ -166,6 +169,7 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
         crossings,
         down,
         roots,
+        worn,
     })
 }
 
@@ -180,27 +184,44 @@ fn skin_root(skin: &SkinMesh, leaf: &Leaf) -> SurfacePoint {
         })
 }
 
-/// Presses the feathers over each other in the poses that the groom says are worn, or in bind pose.
-fn press(bird: &Bird, groom: &Groom, skinned: bool, fans: &[FanJoint], leaves: &mut [Leaf]) {
-    let worn = groom.poses.iter().filter(|_| skinned).map(|pose| {
-        let body = pose.skinning(&bird.joints, groom.unit);
-        let rows = fans
-            .iter()
-            .map(|fan| fan_transform(fan, &body) * Affine3A::from_mat4(fan.inverse_bind()));
-        body.iter().copied().chain(rows).collect::<Vec<_>>()
-    });
-    let mut worn: Vec<Vec<Affine3A>> = worn.collect();
+/// Presses the feathers over each other in each of the poses that the groom says are worn, or in bind pose.
+fn press(
+    bird: &Bird,
+    groom: &Groom,
+    skinned: bool,
+    fans: &[FanJoint],
+    leaves: &mut [Leaf],
+) -> WornPoses {
+    let poses = groom.poses.iter().filter(|_| skinned).take(MAX_POSES);
+    let mut worn: Vec<Vec<Affine3A>> = poses
+        .map(|pose| pose.skinning(&bird.joints, groom.unit))
+        .collect();
     if worn.is_empty() {
         worn.push(Vec::new());
     }
-    let heights = settle(leaves, &worn);
-    let mut rest = heights.as_slice();
-    for leaf in leaves {
-        let count = leaf.shaft.points.len() * (leaf.columns + 1);
-        let (own, others) = rest.split_at(count.min(rest.len()));
-        leaf.raised = own.to_vec();
-        rest = others;
+    let mut reach = 0.0_f32;
+    for (number, body) in worn.iter().enumerate() {
+        let rows = fans
+            .iter()
+            .map(|fan| fan_transform(fan, body) * Affine3A::from_mat4(fan.inverse_bind()));
+        let skinning: Vec<Affine3A> = body.iter().copied().chain(rows).collect();
+        let heights = settle(leaves, &skinning);
+        let mut rest = heights.as_slice();
+        for leaf in leaves.iter_mut() {
+            let (own, others) = rest.split_at(leaf.shaft.points.len() * (leaf.columns + 1));
+            rest = others;
+            match number {
+                0 => leaf.raised = own.to_vec(),
+                _ => leaf.raised_further.push(own.to_vec()),
+            }
+        }
+        if number > 0 {
+            reach = heights
+                .iter()
+                .fold(reach, |most, height| most.max(height.abs()));
+        }
     }
+    WornPoses::new(&worn, reach)
 }
 
 /// Smallest distance between two different layer keys of the regions, at most 1: the room that each has for its own order.
@@ -447,5 +468,6 @@ fn feather(
         camber: region.camber,
         columns: usize::from(region.segments.across),
         raised: Vec::new(),
+        raised_further: Vec::new(),
     }
 }

@@ -13,7 +13,7 @@ pub struct Block {
     pub rows: usize,
 }
 
-/// The vertices of a coat before they are raised, in one pose.
+/// The vertices of a coat in one pose, before they are raised in it.
 pub struct Carried {
     /// Blocks, one per leaf.
     pub blocks: Vec<Block>,
@@ -37,12 +37,17 @@ impl Carried {
                 wide,
                 rows,
             });
+            let vertices = leaf.vertices();
+            // What is raised in the first pose is raised further in another from there, as the renderer does it.
+            let further = (!leaf.raised.is_empty()).then(|| leaf.vertex_normals(&vertices));
             for i in 0..rows {
                 let map = blend(&leaf.weights_at(i), skinning);
                 for j in 0..wide {
                     let x = 2.0 * j as f32 / leaf.columns as f32 - 1.0;
-                    places.push(map.transform_point3(leaf.place(i, x)));
-                    normals.push(map.transform_vector3(leaf.normal(i, x)));
+                    let at = i * wide + j;
+                    let normal = further.as_ref().map_or(leaf.normal(i, x), |list| list[at]);
+                    places.push(map.transform_point3(vertices[at]));
+                    normals.push(map.transform_vector3(normal));
                 }
             }
         }

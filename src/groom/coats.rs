@@ -10,6 +10,7 @@ use super::{
     layer::Crossings,
     rows::FanJoint,
     skin::{SkinMesh, SurfacePoint},
+    worn::WornPoses,
 };
 use bevy::{
     asset::{AssetId, Assets, Handle},
@@ -51,6 +52,7 @@ pub(super) struct SharedCoat {
     /// Where each card takes the skin's color, and for each region and row the share of it; empty unless the groom asks for it.
     pub roots: Arc<[SurfacePoint]>,
     pub shares: Arc<[f32]>,
+    pub worn: Arc<WornPoses>,
     pub crossings: Crossings,
     pub milliseconds: f32,
 }
@@ -82,6 +84,7 @@ impl SharedCoat {
             down: coat.down.into(),
             roots: coat.roots.into(),
             shares: shares.into(),
+            worn: Arc::new(coat.worn),
             crossings: coat.crossings,
             milliseconds,
         }

@@ -247,6 +247,7 @@ pub enum PlumageSystems {
     PrepareExtraDraws,
     /// `PostUpdate`, before visibility is checked: card meshes get their bounds in bind pose.
     UpdateBounds,
-    /// `PostUpdate`, after transforms are propagated: joints of flight feathers follow those of the skin.
-    MoveRows,
+    /// `PostUpdate`, after transforms are propagated: joints of flight feathers follow those of the skin; the coat takes on the pose
+    /// that is worn, wind and ruffle.
+    MoveFeathers,
 }

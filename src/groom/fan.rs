@@ -24,7 +24,7 @@ pub struct FanJoints {
 }
 
 /// Rotation of an affine map whose axes may be scaled, skewed a little or mirrored.
-fn rotation(matrix: Mat3A) -> Quat {
+pub(super) fn rotation(matrix: Mat3A) -> Quat {
     let x = matrix.x_axis.normalize_or(Vec3A::X);
     let y = (matrix.y_axis - x * matrix.y_axis.dot(x)).normalize_or(x.any_orthonormal_vector());
     Quat::from_mat3a(&Mat3A::from_cols(x, y, x.cross(y))).normalize()

@@ -19,8 +19,10 @@ pub struct Leaf {
     pub camber: f32,
     /// Columns across.
     pub columns: usize,
-    /// Height of each vertex over the card's own shape, along its normal, metres, row by row; empty: none.
+    /// Height of each vertex over the card's own shape in the first pose, along its normal, metres, row by row; empty: none.
     pub raised: Vec<f32>,
+    /// For each further pose: how much higher each vertex is there, along the normal of the raised card.
+    pub raised_further: Vec<Vec<f32>>,
 }
 
 impl Leaf {
@@ -35,6 +37,27 @@ impl Leaf {
         let x = 2.0 * j as f32 / self.columns as f32 - 1.0;
         let raised = self.raised.get(i * (self.columns + 1) + j);
         self.place(i, x) + self.normal(i, x) * raised.copied().unwrap_or(0.0)
+    }
+
+    /// Places of all vertices, row by row.
+    pub fn vertices(&self) -> Vec<Vec3> {
+        let row = |i| (0..=self.columns).map(move |j| self.vertex(i, j));
+        (0..self.shaft.points.len()).flat_map(row).collect()
+    }
+
+    /// Unit normals of the front face at all vertices, as the places around them have it.
+    pub fn vertex_normals(&self, vertices: &[Vec3]) -> Vec<Vec3> {
+        let (rows, wide) = (self.shaft.points.len(), self.columns + 1);
+        let at = |i: usize, j: usize| vertices[i * wide + j];
+        let normal = |i: usize, j: usize| {
+            let across = at(i, (j + 1).min(self.columns)) - at(i, j.saturating_sub(1));
+            let down = at((i + 1).min(rows - 1), j) - at(i.saturating_sub(1), j);
+            let normal = across.cross(down).try_normalize();
+            normal.unwrap_or(self.shaft.normals[i])
+        };
+        let row = |i| (0..wide).map(move |j| (i, j));
+        let all = (0..rows).flat_map(row);
+        all.map(|(i, j)| normal(i, j)).collect()
     }
 
     /// Unit direction of the shaft at a point of it.

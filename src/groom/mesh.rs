@@ -1,6 +1,6 @@
 //! The cards of one bird as one skinned mesh.
 
-use super::{card::CardGeometry, leaf::Leaf};
+use super::{card::CardGeometry, leaf::Leaf, worn::ATTRIBUTE_RAISED};
 use bevy::{
     asset::RenderAssetUsages,
     math::Vec3,
@@ -12,8 +12,8 @@ use bevy::{
 /// Vertices, card after card: `POSITION`; `NORMAL` of the front face; `TANGENT`, the direction of the rachis, with w = -1 on a
 /// plain card and +1 on a mirrored one, so that `cross(normal, tangent) * w` points to +u; `UV_0` card uv (u from left to right
 /// seen from the front, tip up; v from root to tip); `UV_1` card number and layer rank 0..1; and, if the bird is skinned,
-/// `JOINT_INDEX` and `JOINT_WEIGHT`. Triangles of higher layers come first, so that the depth test drops what they cover.
-pub fn build_mesh(leaves: &mut [Leaf], skinned: bool) -> (Mesh, Vec<CardGeometry>) {
+/// `JOINT_INDEX` and `JOINT_WEIGHT`, and, where `reach` is above 0, [`ATTRIBUTE_RAISED`] in units of it. Triangles of higher layers come first, so that the depth test drops what they cover.
+pub fn build_mesh(leaves: &mut [Leaf], skinned: bool, reach: f32) -> (Mesh, Vec<CardGeometry>) {
     let count: usize = leaves
         .iter()
         .map(|leaf| leaf.shaft.points.len() * (leaf.columns + 1))
@@ -38,28 +38,28 @@ pub fn build_mesh(leaves: &mut [Leaf], skinned: bool) -> (Mesh, Vec<CardGeometry
     for (place, &leaf) in order.iter().enumerate() {
         rank[leaf] = 1.0 - (place as f32 + 0.5) / leaves.len() as f32;
     }
+    let mut raised: Vec<[i16; 4]> = Vec::new();
+    let further = |leaf: &Leaf, pose: usize, at: usize| {
+        let height = leaf.raised_further.get(pose).map_or(0.0, |list| list[at]);
+        (height / reach.max(f32::MIN_POSITIVE) * f32::from(i16::MAX)).round() as i16
+    };
     for (number, leaf) in leaves.iter_mut().enumerate() {
         let first = positions.len();
         let rows = leaf.shaft.points.len();
-        let grid: Vec<Vec<Vec3>> = (0..rows)
-            .map(|i| (0..=leaf.columns).map(|j| leaf.vertex(i, j)).collect())
-            .collect();
+        let places = leaf.vertices();
+        let fronts = leaf.vertex_normals(&places);
         for i in 0..rows {
             let along = leaf.along(i);
             let (joint, weight) = leaf.weights_at(i);
             for j in 0..=leaf.columns {
-                let across = grid[i][(j + 1).min(leaf.columns)] - grid[i][j.saturating_sub(1)];
-                let down = grid[(i + 1).min(rows - 1)][j] - grid[i.saturating_sub(1)][j];
-                let normal = across
-                    .cross(down)
-                    .try_normalize()
-                    .unwrap_or(leaf.shaft.normals[i]);
+                let at = i * (leaf.columns + 1) + j;
+                let normal = fronts[at];
                 let tangent = (along - normal * along.dot(normal))
                     .try_normalize()
                     .unwrap_or(leaf.card.along);
                 let u = j as f32 / leaf.columns as f32;
                 let mirrored = leaf.card.mirrored;
-                positions.push(grid[i][j].to_array());
+                positions.push(places[at].to_array());
                 normals.push(normal.to_array());
                 tangents.push(tangent.extend(if mirrored { 1.0 } else { -1.0 }).to_array());
                 uvs.push([
@@ -69,20 +69,19 @@ pub fn build_mesh(leaves: &mut [Leaf], skinned: bool) -> (Mesh, Vec<CardGeometry
                 ids.push([number as f32, rank[number]]);
                 joints.push(joint);
                 weights.push(weight);
+                raised.push(std::array::from_fn(|k| further(leaf, k, at)));
             }
         }
-        let (low, high) = grid
+        let (low, high) = places
             .iter()
-            .flatten()
             .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| {
                 (a.min(*p), b.max(*p))
             });
         leaf.card.center = 0.5 * (low + high);
-        leaf.card.radius = grid
-            .iter()
-            .flatten()
-            .map(|p| p.distance(leaf.card.center))
-            .fold(0.0, f32::max);
+        let farther = leaf.raised_further.iter().flatten();
+        let farther = farther.fold(0.0_f32, |most, height| most.max(height.abs()));
+        let distances = places.iter().map(|p| p.distance(leaf.card.center));
+        leaf.card.radius = distances.fold(0.0, f32::max) + farther;
         let vertex_count = (positions.len() - first) as u32;
         geometry.push(CardGeometry {
             first_vertex: first as u32,
@@ -115,6 +114,9 @@ pub fn build_mesh(leaves: &mut [Leaf], skinned: bool) -> (Mesh, Vec<CardGeometry
             VertexAttributeValues::Uint16x4(joints),
         );
         mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
+    }
+    if reach > 0.0 {
+        mesh.insert_attribute(ATTRIBUTE_RAISED, VertexAttributeValues::Snorm16x4(raised));
     }
     mesh.insert_indices(Indices::U32(indices));
     (mesh, geometry)

@@ -2,7 +2,7 @@
 //!
 //! The way from a groom to cards, each step a module: the skin is taken from the bird's meshes ([`skin`]) and divided into
 //! regions ([`select`]); guides give it a lay ([`lay`]); follicles are placed ([`scatter`], [`lattice`]); each feather's shaft is
-//! draped over the skin ([`drape`]), put in order ([`order`]) and settled among its neighbors ([`layer`], [`settle`]); rows of
+//! draped over the skin ([`drape`]), put in order ([`order`]) and settled among its neighbors ([`layer`], [`settle`]) in each pose that the bird wears ([`WornPoses`]); rows of
 //! flight feathers get joints of their own ([`rows`], moved by [`fan`]); all become one mesh ([`mesh`]). [`groom_bird`] runs these without an app;
 //! [`GroomPlugin`] runs it for every entity with a [`Plumage`], off the main thread.
 //!
@@ -40,6 +40,7 @@ pub mod skin;
 mod skin_meshes;
 mod v1;
 mod validate;
+mod worn;
 
 pub use asset::{
     Dab, Groom, Guide, Jitter, JointWeight, Placement, Region, Row, Segments, Select, Span,
@@ -61,3 +62,5 @@ pub use plumage::GroomPlugin;
 pub use pose::{JointPose, KeyPose};
 pub use rows::FanJoint;
 pub use skin::{SkinMesh, SurfacePoint};
+pub use worn::{ATTRIBUTE_RAISED, WornPoses};
+pub(crate) use worn::{Worn, find_worn};

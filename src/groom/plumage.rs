@@ -9,6 +9,7 @@ use super::{
     },
     fan::{FanJoints, fan_rows},
     skin_meshes::{SkinMeshes, SkinTarget},
+    worn::{Worn, find_worn},
 };
 use crate::{
     anatomy::{Feather, contour},
@@ -67,8 +68,8 @@ impl Plugin for GroomPlugin {
             )
             .add_systems(
                 PostUpdate,
-                fan_rows
-                    .in_set(PlumageSystems::MoveRows)
+                (fan_rows, find_worn)
+                    .in_set(PlumageSystems::MoveFeathers)
                     .after(TransformSystems::Propagate),
             );
     }
@@ -336,5 +337,8 @@ fn spawn_cards(
                 entities: fans,
             },
         ));
+        if coat.worn.reach > 0.0 {
+            commands.entity(output).insert(Worn::new(coat.worn));
+        }
     }
 }

@@ -299,6 +299,7 @@ impl RowContext<'_> {
             camber: row.camber,
             columns,
             raised: Vec::new(),
+            raised_further: Vec::new(),
         };
         (
             leaf,

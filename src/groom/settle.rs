@@ -6,8 +6,8 @@
 //! and half by the lower. Lifting only the upper would part each pair at once, but where feathers overlap from head to tail the
 //! lifts add up without end. The skin is the floor.
 //!
-//! One set of heights serves all poses: what meets in one of them hardly meets in another, because wings that open draw feathers
-//! apart that lie upon each other when folded. Where two poses ask for different heights the first has the last word.
+//! Every pose has heights of its own ([`super::worn`] says which a bird wears): feathers that lie upon each other in the folded wing
+//! are drawn apart by the open one, and lie upon others. Those of later poses begin at those of the first.
 
 use super::{
     carried::{Block, Carried},
@@ -35,32 +35,30 @@ const SLOPE: f32 = 0.4;
 /// Last rounds that are not smoothed.
 const ROUGH: usize = 5;
 
-/// Heights of all vertices, metres, along their normals, that put the leaves in order in all poses (for each: what every joint,
-/// those of rows included, does to bind pose; empty: bind pose), the first above all. The same arguments give the same bytes.
-pub fn settle(leaves: &[Leaf], poses: &[Vec<Affine3A>]) -> Vec<f32> {
-    let carried: Vec<Carried> = poses
-        .iter()
-        .map(|pose| Carried::new(leaves, pose))
-        .collect();
-    let Some(first) = carried.first() else {
-        return Vec::new();
-    };
-    let (lows, highs) = limits(leaves, first);
-    let mut heights = vec![0.0_f32; first.places.len()];
+/// How much further all vertices rise along their normals, metres, so that the leaves lie in order in a pose (what every joint, those
+/// of rows included, does to bind pose; empty: bind pose). The same arguments give the same bytes.
+pub fn settle(leaves: &[Leaf], pose: &[Affine3A]) -> Vec<f32> {
+    let carried = Carried::new(leaves, pose);
+    let before: Vec<f32> = leaves.iter().flat_map(raised).collect();
+    let (lows, highs) = limits(leaves, &carried, &before);
+    let mut heights = vec![0.0_f32; carried.places.len()];
     for search in 0..SEARCHES {
-        let find = |pose: &Carried| Finder::new(leaves, pose, &heights).find();
-        let contacts: Vec<Vec<Contact>> = carried.iter().map(find).collect();
+        let contacts = Finder::new(leaves, &carried, &heights).find();
         for round in 0..ROUNDS {
-            for contacts in contacts.iter().rev() {
-                project(contacts, &mut heights, &lows, &highs);
-            }
+            project(&contacts, &mut heights, &lows, &highs);
             if search + 1 < SEARCHES || round + ROUGH < ROUNDS {
-                smooth(&first.blocks, &mut heights, &lows, &highs);
+                smooth(&carried.blocks, &mut heights, &lows, &highs);
             }
-            flatten(leaves, &first.blocks, &mut heights);
+            flatten(leaves, &carried.blocks, &before, &mut heights);
         }
     }
     heights
+}
+
+/// Heights that a leaf has already.
+fn raised(leaf: &Leaf) -> impl Iterator<Item = f32> {
+    let count = leaf.shaft.points.len() * (leaf.columns + 1);
+    (0..count).map(|at| leaf.raised.get(at).copied().unwrap_or(0.0))
 }
 
 /// Parts every contact in turn.
@@ -96,8 +94,8 @@ fn project(contacts: &[Contact], heights: &mut [f32], lows: &[f32], highs: &[f32
     }
 }
 
-/// How far each vertex may sink and rise.
-fn limits(leaves: &[Leaf], carried: &Carried) -> (Vec<f32>, Vec<f32>) {
+/// How far each vertex may still sink and rise.
+fn limits(leaves: &[Leaf], carried: &Carried, before: &[f32]) -> (Vec<f32>, Vec<f32>) {
     let [free, clear, most] = [FREE, CLEAR, MOST].map(|share| share * carried.median);
     let count = carried.places.len();
     let (mut lows, mut highs) = (Vec::with_capacity(count), Vec::with_capacity(count));
@@ -110,8 +108,10 @@ fn limits(leaves: &[Leaf], carried: &Carried) -> (Vec<f32>, Vec<f32>) {
             let low = (RANGE.0 * lever - free).max(-most);
             let low = low.max(-(room - clear).max(0.0));
             let high = (RANGE.1 * lever + free).min(most);
-            lows.extend(std::iter::repeat_n(low, block.wide));
-            highs.extend(std::iter::repeat_n(high, block.wide));
+            for already in &before[block.first + i * block.wide..][..block.wide] {
+                lows.push((low - already).min(0.0));
+                highs.push((high - already).max(0.0));
+            }
         }
     }
     (lows, highs)
@@ -119,18 +119,22 @@ fn limits(leaves: &[Leaf], carried: &Carried) -> (Vec<f32>, Vec<f32>) {
 
 /// Keeps the vane from folding about the shaft: from the middle outwards, no vertex stands further from the next than [`SLOPE`]
 /// allows. The limits of all vertices across are the same, so none is broken.
-fn flatten(leaves: &[Leaf], blocks: &[Block], heights: &mut [f32]) {
+fn flatten(leaves: &[Leaf], blocks: &[Block], before: &[f32], heights: &mut [f32]) {
     for (leaf, block) in leaves.iter().zip(blocks) {
         let most = SLOPE * leaf.card.width / (block.wide - 1).max(1) as f32;
         let middle = block.wide / 2;
         for i in 0..block.rows {
-            let row = &mut heights[block.first + i * block.wide..][..block.wide];
-            for j in middle + 1..block.wide {
-                row[j] = row[j].clamp(row[j - 1] - most, row[j - 1] + most);
-            }
-            for j in (0..middle).rev() {
-                row[j] = row[j].clamp(row[j + 1] - most, row[j + 1] + most);
-            }
+            let row = block.first + i * block.wide;
+            let (row, before) = (
+                &mut heights[row..][..block.wide],
+                &before[row..][..block.wide],
+            );
+            let mut hold = |j: usize, next: usize| {
+                let level = row[next] + before[next];
+                row[j] = (row[j] + before[j]).clamp(level - most, level + most) - before[j];
+            };
+            (middle + 1..block.wide).for_each(|j| hold(j, j - 1));
+            (0..middle).rev().for_each(|j| hold(j, j + 1));
         }
     }
 }

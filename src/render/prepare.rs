@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     anatomy::Feather,
-    groom::{FeathersOf, PlumageCards, PlumageParts, PlumageSystems},
+    groom::{FeathersOf, PlumageCards, PlumageParts, PlumageSystems, find_worn},
     modified::modified,
 };
 use bevy::{
@@ -38,11 +38,17 @@ pub(super) fn add_systems(app: &mut App) {
             drop_unused,
             prepare_materials,
             apply_quality,
-            wind::move_feathers,
             measure_memory,
         )
             .chain()
             .in_set(PlumageSystems::PrepareMaterials),
+    )
+    .add_systems(
+        PostUpdate,
+        wind::move_feathers
+            .in_set(PlumageSystems::MoveFeathers)
+            .after(PlumageSystems::PrepareMaterials)
+            .after(find_worn),
     );
 }
 

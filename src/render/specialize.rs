@@ -1,6 +1,7 @@
 //! Pipelines of [`super::FeatherMaterial`]: what [`super::key`] decides, written into Bevy's descriptors.
 
 use super::key::{FeatherPipelineKey, PassKey, Resolve, shader_defs};
+use crate::groom::ATTRIBUTE_RAISED;
 use bevy::{
     mesh::MeshVertexBufferLayoutRef,
     pbr::MeshPipelineKey,
@@ -31,6 +32,10 @@ fn lay_out_vertices(
     if has_def(&descriptor.vertex.shader_defs, "SKINNED") {
         attributes.push(Mesh::ATTRIBUTE_JOINT_INDEX.at_shader_location(5));
         attributes.push(Mesh::ATTRIBUTE_JOINT_WEIGHT.at_shader_location(6));
+    }
+    if layout.0.contains(ATTRIBUTE_RAISED) {
+        attributes.push(ATTRIBUTE_RAISED.at_shader_location(7));
+        descriptor.vertex.shader_defs.push("WORN_POSES".into());
     }
     descriptor.vertex.buffers = vec![layout.0.get_layout(&attributes)?];
     Ok(())

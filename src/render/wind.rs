@@ -1,8 +1,9 @@
-//! Wind and ruffle as an app sets them, and the buffer of each bird that tells its cards (the maths: [`crate::maths::wind`]).
+//! Wind and ruffle as an app sets them, and the buffer of each bird that tells its cards, together with the pose that it wears (the
+//! maths: [`crate::maths::wind`]).
 
 use super::{material::FeatherMaterial, pack::MAX_REGIONS};
 use crate::{
-    groom::{CardRegion, FeathersOf, PlumageCards},
+    groom::{CardRegion, FeathersOf, PlumageCards, Worn},
     maths::wind::{Breeze, RUFFLE_LIFT, RUFFLE_YAW, wind_response},
 };
 use bevy::{
@@ -103,8 +104,13 @@ impl Ruffle {
     }
 }
 
-/// Rows of one bird: wind, then (lift, compliance, limit, yaw) of every region.
-fn motion_rows(wind: &Wind, ruffle: Option<&Ruffle>, regions: &[CardRegion]) -> Vec<[f32; 4]> {
+/// Rows of one bird: wind, heights in the poses that it wears, then (lift, compliance, limit, yaw) of every region.
+fn motion_rows(
+    wind: &Wind,
+    worn: [f32; 4],
+    ruffle: Option<&Ruffle>,
+    regions: &[CardRegion],
+) -> Vec<[f32; 4]> {
     let row = |region: &CardRegion| {
         let (compliance, limit) = wind_response(region.stiffness());
         let share = ruffle.map_or(0.0, |ruffle| ruffle.share(region));
@@ -112,6 +118,7 @@ fn motion_rows(wind: &Wind, ruffle: Option<&Ruffle>, regions: &[CardRegion]) -> 
     };
     let regions = &regions[..regions.len().min(MAX_REGIONS as usize)];
     let mut rows = wind.rows(regions.len().max(1)).to_vec();
+    rows.push(worn);
     rows.extend(regions.iter().map(row));
     if regions.is_empty() {
         rows.push(row(&CardRegion {
@@ -124,7 +131,7 @@ fn motion_rows(wind: &Wind, ruffle: Option<&Ruffle>, regions: &[CardRegion]) -> 
 
 /// The buffer of a bird in still air.
 pub(super) fn still_motion(cards: &PlumageCards) -> ShaderBuffer {
-    let rows = motion_rows(&Wind::default(), None, &cards.regions);
+    let rows = motion_rows(&Wind::default(), [0.0; 4], None, &cards.regions);
     let mut buffer = ShaderBuffer::new(&bytes(&rows, &rows), RenderAssetUsages::default());
     buffer.buffer_description.label = Some("feather_motion");
     buffer.buffer_description.usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
@@ -147,7 +154,7 @@ pub(super) struct Motion {
     settled: bool,
 }
 
-/// Writes a bird's buffer when its wind or ruffle has changed, and once more a frame later, when the change is the past. The
+/// Writes a bird's buffer when its wind, ruffle or worn pose has changed, and once more a frame later, when the change is the past. The
 /// bind group stays.
 pub(super) fn move_feathers(
     mut commands: Commands,
@@ -158,16 +165,18 @@ pub(super) fn move_feathers(
         Ref<PlumageCards>,
         Option<&FeathersOf>,
         Ref<MeshMaterial3d<FeatherMaterial>>,
+        Option<Ref<Worn>>,
         Option<&mut Motion>,
     )>,
     materials: Res<Assets<FeatherMaterial>>,
     mut buffers: ResMut<Assets<ShaderBuffer>>,
 ) {
-    for (entity, cards, of, material, motion) in &mut birds {
+    for (entity, cards, of, material, worn, motion) in &mut birds {
         let ruffle = ruffles.get(FeathersOf::owner(of, entity)).ok();
         let moved = wind.is_changed()
             || cards.is_changed()
             || material.is_changed()
+            || worn.as_ref().is_some_and(Ref::is_changed)
             || ruffle.as_ref().is_some_and(Ref::is_changed);
         let rests = |motion: &Mut<Motion>| motion.settled && motion.ruffled == ruffle.is_some();
         if !moved && motion.as_ref().is_some_and(rests) {
@@ -176,7 +185,8 @@ pub(super) fn move_feathers(
         let Some(material) = materials.get(material.id()) else {
             continue;
         };
-        let now = motion_rows(&wind, ruffle.as_deref(), &cards.regions);
+        let heights = worn.map_or([0.0; 4], |worn| worn.heights);
+        let now = motion_rows(&wind, heights, ruffle.as_deref(), &cards.regions);
         let ruffled = ruffle.is_some();
         let buffer = material.motion.id();
         let mut known = motion.filter(|motion| motion.buffer == buffer);
@@ -254,8 +264,8 @@ mod tests {
             name: String::new(),
             stiffness: f32::NAN,
         };
-        let rows = motion_rows(&wild, Some(&ruffle), &vec![region; 4]);
-        assert_eq!(rows.len(), 6);
+        let rows = motion_rows(&wild, [0.0; 4], Some(&ruffle), &vec![region; 4]);
+        assert_eq!(rows.len(), 7);
         assert!(rows.iter().flatten().all(|x| x.is_finite()), "{rows:?}");
     }
 }

@@ -20,7 +20,7 @@ struct Rest {
 fn rest(name: &'static str, perch: f32) -> Rest {
     let (bird, coat) = groomed(name);
     let pose = bird.skinning(Some(0.0));
-    let posed = bird.pose(coat, &SceneBird::vertices(coat), &pose);
+    let posed = bird.pose(coat, &SceneBird::vertices(coat, &pose), &pose);
     let row = bird
         .groom
         .rows

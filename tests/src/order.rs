@@ -116,7 +116,7 @@ impl<'a> Measured<'a> {
     /// Pose of a time of the clip (none: bind pose).
     pub fn pose(&self, time: Option<f32>) -> PosedCoat {
         let skinning = self.bird.skinning(time);
-        let vertices = SceneBird::vertices(self.coat);
+        let vertices = SceneBird::vertices(self.coat, &skinning);
         self.bird.pose(self.coat, &vertices, &skinning)
     }
 

@@ -3,10 +3,11 @@
 use bevy::{
     asset::RenderAssetUsages,
     math::{Affine3A, Mat4, Quat, Vec3},
-    mesh::{Indices, Mesh, PrimitiveTopology, VertexAttributeValues},
+    mesh::{Indices, Mesh, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues},
 };
 use bevy_plumage::groom::{
-    Bird, Coat, Groom, JointPose, KeyPose, SkinMesh, fan_transform, groom_bird, skin::Weights,
+    ATTRIBUTE_RAISED, Bird, Coat, Groom, JointPose, KeyPose, SkinMesh, fan_transform, groom_bird,
+    skin::Weights,
 };
 use gltf_json::{
     Root, accessor::ComponentType, animation::Property, mesh::Semantic, validation::Checked::Valid,
@@ -354,14 +355,29 @@ impl SceneBird {
         PosedCoat { cards, body }
     }
 
-    /// Vertices of a coat as they are in its mesh, in bind pose.
-    pub fn vertices(coat: &Coat) -> Vec<Vec3> {
-        match coat.mesh.attribute(Mesh::ATTRIBUTE_POSITION) {
-            Some(VertexAttributeValues::Float32x3(list)) => {
-                list.iter().copied().map(Vec3::from_array).collect()
+    /// Vertices of a coat in bind pose, raised as the pose wants it that the joints of the body are in.
+    pub fn vertices(coat: &Coat, skinning: &[Affine3A]) -> Vec<Vec3> {
+        let vectors = |attribute: MeshVertexAttribute| -> Vec<Vec3> {
+            match coat.mesh.attribute(attribute) {
+                Some(VertexAttributeValues::Float32x3(list)) => {
+                    list.iter().copied().map(Vec3::from_array).collect()
+                }
+                _ => Vec::new(),
             }
-            _ => Vec::new(),
+        };
+        let mut places = vectors(Mesh::ATTRIBUTE_POSITION);
+        let normals = vectors(Mesh::ATTRIBUTE_NORMAL);
+        let shares = coat.worn.shares(skinning);
+        if let Some(VertexAttributeValues::Snorm16x4(raised)) =
+            coat.mesh.attribute(ATTRIBUTE_RAISED)
+        {
+            for ((place, normal), raised) in places.iter_mut().zip(normals).zip(raised) {
+                let units = raised.iter().zip(&shares[1..]);
+                let height: f32 = units.map(|(unit, share)| f32::from(*unit) * share).sum();
+                *place += normal * (height * coat.worn.reach / f32::from(i16::MAX));
+            }
         }
+        places
     }
 
     /// Part of the body that a region or row of its groom belongs to.

@@ -49,7 +49,11 @@ pub fn numbers(samples: u32) -> [(&'static str, u32); 7] {
 
 /// Vertex and fragment stage of a material in a pass, under an environment map.
 pub fn feather_stages(key: &FeatherPipelineKey, pass: &PassKey, skinned: bool) -> [Variant; 2] {
-    let skin: &[&str] = if skinned { &["SKINNED"] } else { &[] };
+    let skin: &[&str] = if skinned {
+        &["SKINNED", "WORN_POSES"]
+    } else {
+        &[]
+    };
     let [own_vertex, own_fragment] = shader_defs(key, pass);
     match *pass {
         PassKey::Forward {

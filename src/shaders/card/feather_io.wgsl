@@ -15,6 +15,10 @@ struct CardVertex {
     @location(5) joint_indices: vec4<u32>,
     @location(6) joint_weights: vec4<f32>,
 #endif
+#ifdef WORN_POSES
+    // How much higher than in the first pose the vertex lies in each of the further ones.
+    @location(7) raised: vec4<f32>,
+#endif
 }
 
 struct FeatherVertex {

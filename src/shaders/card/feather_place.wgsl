@@ -1,4 +1,4 @@
-// Where the vertices of a card are, in every pass: bent by wind and ruffle, then carried by the skeleton.
+// Where the vertices of a card are, in every pass: raised as the pose wants it, bent by wind and ruffle, then carried by the skeleton.
 #define_import_path bevy_plumage::feather_place
 #import bevy_pbr::{mesh_functions, mesh_view_bindings::view, skinning, view_transformations::position_world_to_clip}
 #ifdef ORDER_WINDOW
@@ -40,6 +40,15 @@ fn previous_world_from_card(vertex: CardVertex) -> mat4x4<f32> {
 #endif
 }
 
+// Where a vertex lies in the pose that the bird wears, in bind pose. `first`: row of the motion table, as below.
+fn raised(vertex: CardVertex, first: u32) -> vec3<f32> {
+#ifdef WORN_POSES
+    return vertex.position + vertex.normal * dot(vertex.raised, motion_at(first + 2u));
+#else
+    return vertex.position;
+#endif
+}
+
 // How a card is turned, as rotation vectors in the mesh's own space: as a whole about its root, which is what the muscles of the
 // follicle do, and how much further at its tip, which is what the air does.
 struct Turn {
@@ -55,7 +64,7 @@ fn is_still(turn: Turn) -> bool {
 fn turn_of(card: data::Card, first: u32, world_from_local: mat4x4<f32>, time: f32) -> Turn {
     let air = motion_at(first);
     let eddies = motion_at(first + 1u);
-    let region = motion_at(first + 2u + min(data::card_region(card.feather), max(u32(eddies.w), 1u) - 1u));
+    let region = motion_at(first + 3u + min(data::card_region(card.feather), max(u32(eddies.w), 1u) - 1u));
     var lift = 0.0;
     if (air.w + eddies.x > 0.0) {
         let breeze = Breeze(air.xyz, air.w, eddies.x, eddies.y, eddies.z);
@@ -144,7 +153,7 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
     let world_from_local = world_from_card(vertex);
     let turn = turn_of(card, 0u, world_from_local, time);
     let tangent_turn = turn.whole + turn.tip * vertex.uv.y;
-    out.world_position = world_from_local * vec4(bent(vertex.position, card.root, turn, vertex.uv.y), 1.0);
+    out.world_position = world_from_local * vec4(bent(raised(vertex, 0u), card.root, turn, vertex.uv.y), 1.0);
     out.position = position_world_to_clip(out.world_position.xyz);
     let normal = turned_by(vertex.normal, tangent_turn);
     let tangent = vec4(turned_by(vertex.tangent.xyz, tangent_turn), vertex.tangent.w);
@@ -168,8 +177,9 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
 #ifdef PREPASS_PIPELINE
 #ifdef MOTION_VECTOR_PREPASS
     let before = previous_world_from_card(vertex);
-    let turn_before = turn_of(card, arrayLength(&motion) / 2u, before, time - step);
-    out.previous_world_position = before * vec4(bent(vertex.position, card.root, turn_before, vertex.uv.y), 1.0);
+    let first = arrayLength(&motion) / 2u;
+    let turn_before = turn_of(card, first, before, time - step);
+    out.previous_world_position = before * vec4(bent(raised(vertex, first), card.root, turn_before, vertex.uv.y), 1.0);
 #endif
 #ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION
     out.unclipped_depth = out.position.z;

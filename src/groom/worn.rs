@@ -1,0 +1,229 @@
+//! Which of the poses that a coat was settled in a bird wears, frame by frame.
+
+use super::fan::rotation;
+use bevy::{
+    asset::Assets,
+    ecs::{component::Component, system::Query, system::Res},
+    math::{Affine3A, Quat},
+    mesh::{
+        MeshVertexAttribute, VertexFormat,
+        skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
+    },
+    transform::components::GlobalTransform,
+};
+use std::sync::Arc;
+
+/// Poses that a coat is settled in at most.
+pub const MAX_POSES: usize = 5;
+
+/// Heights of a vertex in the poses after the first over that in the first, along its normal, in units of [`WornPoses::reach`].
+pub const ATTRIBUTE_RAISED: MeshVertexAttribute =
+    MeshVertexAttribute::new("Plumage_Raised", 0x91b3_6c5e_d2a7, VertexFormat::Snorm16x4);
+
+/// Share of the way from one pose to the other before which only the one counts, and after which only the other.
+const BLEND: (f32, f32) = (0.375, 0.625);
+/// Rotation between two poses that is none, radians.
+const STILL: f32 = 1.0e-3;
+
+/// The poses of a coat as the joints tell them apart: by the rotations relative to the skeleton's first joint of all joints that
+/// turn between them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WornPoses {
+    /// Furthest that a vertex of any further pose is from where it is in the first, metres.
+    pub reach: f32,
+    /// Joints that turn, each with its weight: the square of the widest angle between two poses.
+    joints: Vec<(usize, f32)>,
+    /// For each pose: the rotation of each of those joints.
+    rotations: Vec<Vec<Quat>>,
+}
+
+/// Rotation of a joint relative to the first.
+fn turn(skinning: &[Affine3A], joint: usize) -> Quat {
+    let (Some(first), Some(own)) = (skinning.first(), skinning.get(joint)) else {
+        return Quat::IDENTITY;
+    };
+    rotation(first.matrix3.inverse() * own.matrix3)
+}
+
+/// Angle between two rotations, radians; 0 where one of them is no rotation.
+fn angle(a: Quat, b: Quat) -> f32 {
+    let angle = a.angle_between(b);
+    if angle.is_finite() { angle } else { 0.0 }
+}
+
+impl WornPoses {
+    /// Poses: for each, what every joint of the body does to bind pose.
+    pub fn new(poses: &[Vec<Affine3A>], reach: f32) -> Self {
+        let joints = poses.first().map_or(0, Vec::len);
+        let turns = |joint: usize| poses.iter().map(move |pose| turn(pose, joint));
+        let widest = |joint: usize| {
+            let pairs = turns(joint).flat_map(|a| turns(joint).map(move |b| angle(a, b)));
+            pairs.fold(0.0_f32, f32::max)
+        };
+        let joints: Vec<(usize, f32)> = (1..joints)
+            .map(|joint| (joint, widest(joint).powi(2)))
+            .filter(|(_, weight)| *weight > STILL * STILL)
+            .collect();
+        let of_pose = |pose: &Vec<Affine3A>| joints.iter().map(|(j, _)| turn(pose, *j)).collect();
+        Self {
+            reach,
+            rotations: poses.iter().map(of_pose).collect(),
+            joints,
+        }
+    }
+
+    /// Number of joints that it takes to tell the poses apart, counted from the first.
+    fn joints(&self) -> usize {
+        self.joints.last().map_or(0, |(joint, _)| joint + 1)
+    }
+
+    /// Share of each pose in what a bird wears whose joints do this to bind pose; sum 1, only the first if all are alike.
+    ///
+    /// The nearest pose counts alone unless another is almost as near: feathers settled in one pose are in order, those half-way
+    /// between two need not be. One set of shares for the whole bird, so that neighbors agree.
+    pub fn shares(&self, skinning: &[Affine3A]) -> [f32; MAX_POSES] {
+        let mut shares = [0.0; MAX_POSES];
+        let now: Vec<Quat> = self
+            .joints
+            .iter()
+            .map(|(joint, _)| turn(skinning, *joint))
+            .collect();
+        let far = |pose: &Vec<Quat>| {
+            let parts = self.joints.iter().zip(pose.iter().zip(&now));
+            let sum: f32 = parts
+                .map(|((_, weight), (a, b))| weight * angle(*a, *b).powi(2))
+                .sum();
+            sum.sqrt()
+        };
+        let away: Vec<f32> = self.rotations.iter().map(far).take(MAX_POSES).collect();
+        let step = |x: f32| {
+            let x = ((x - BLEND.0) / (BLEND.1 - BLEND.0)).clamp(0.0, 1.0);
+            x * x * (3.0 - 2.0 * x)
+        };
+        for (k, own) in away.iter().enumerate() {
+            let others = away.iter().enumerate().filter(|(l, _)| *l != k);
+            let against =
+                |(_, other): (usize, &f32)| step(other / (own + other).max(f32::MIN_POSITIVE));
+            shares[k] = others.map(against).product();
+        }
+        let sum: f32 = shares.iter().sum();
+        if sum > 0.0 {
+            shares.map(|share| share / sum)
+        } else {
+            let mut first = [0.0; MAX_POSES];
+            first[0] = 1.0;
+            first
+        }
+    }
+}
+
+/// On the card mesh: the poses of its coat, and what the bird wears of them.
+#[derive(Component, Clone, Debug, PartialEq)]
+pub struct Worn {
+    /// The poses.
+    pub poses: Arc<WornPoses>,
+    /// Height in the poses after the first that one unit of [`ATTRIBUTE_RAISED`] stands for now, metres.
+    pub heights: [f32; MAX_POSES - 1],
+}
+
+impl Worn {
+    /// In the first pose.
+    pub fn new(poses: Arc<WornPoses>) -> Self {
+        Self {
+            poses,
+            heights: [0.0; MAX_POSES - 1],
+        }
+    }
+}
+
+/// Finds the poses that each bird wears. Runs in `PostUpdate` after transforms are propagated.
+pub fn find_worn(
+    mut coats: Query<(&mut Worn, &SkinnedMesh)>,
+    poses: Res<Assets<SkinnedMeshInverseBindposes>>,
+    transforms: Query<&GlobalTransform>,
+) {
+    for (mut worn, skin) in &mut coats {
+        let Some(bind) = poses.get(&skin.inverse_bindposes) else {
+            continue;
+        };
+        let skinning: Vec<Affine3A> = skin
+            .joints
+            .iter()
+            .zip(bind.iter())
+            .take(worn.poses.joints())
+            .map(|(joint, inverse)| {
+                let world = transforms.get(*joint).map(GlobalTransform::affine);
+                world.unwrap_or(Affine3A::IDENTITY) * Affine3A::from_mat4(*inverse)
+            })
+            .collect();
+        let shares = worn.poses.shares(&skinning);
+        let heights = std::array::from_fn(|k| shares[k + 1] * worn.poses.reach);
+        if worn.heights != heights {
+            worn.heights = heights;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::math::Vec3;
+
+    fn pose(angles: [f32; 3]) -> Vec<Affine3A> {
+        angles
+            .map(|angle| {
+                Affine3A::from_rotation_translation(Quat::from_rotation_x(angle), Vec3::Y * angle)
+            })
+            .into()
+    }
+
+    #[test]
+    fn the_nearest_pose_counts_alone_and_the_way_between_is_steady() {
+        let poses = WornPoses::new(
+            &[pose([0.0; 3]), pose([0.0, 1.0, 0.0]), pose([0.0, 1.0, 1.4])],
+            0.01,
+        );
+        assert_eq!(
+            poses.joints.len(),
+            2,
+            "the first joint and still ones tell nothing"
+        );
+        let mut before = poses.shares(&pose([0.0; 3]));
+        assert_eq!(before[..3], [1.0, 0.0, 0.0]);
+        let mut most = 0.0_f32;
+        for step in 1..=400 {
+            let t = step as f32 / 200.0;
+            let (elbow, wrist) = (t.min(1.0), 1.4 * (t - 1.0).max(0.0));
+            let now = poses.shares(&pose([0.0, elbow, wrist]));
+            assert!((now.iter().sum::<f32>() - 1.0).abs() < 1.0e-5);
+            let parts = now.iter().zip(&before).map(|(a, b)| (a - b).abs());
+            most = parts.fold(most, f32::max);
+            before = now;
+        }
+        assert_eq!(before[..3], [0.0, 0.0, 1.0]);
+        assert!(most < 0.05, "shares jump by {most}");
+    }
+
+    #[test]
+    fn where_the_bird_stands_does_not_matter_and_a_mirror_does_not_either() {
+        let poses = WornPoses::new(&[pose([0.0; 3]), pose([0.0, 1.0, 0.5])], 0.01);
+        let stretched = pose([0.0, 0.95, 0.5]);
+        for world in [
+            Affine3A::from_rotation_translation(Quat::from_rotation_y(2.0), Vec3::splat(7.0)),
+            Affine3A::from_scale(Vec3::new(-0.01, 0.01, 0.01)),
+        ] {
+            let placed: Vec<Affine3A> = stretched.iter().map(|joint| world * *joint).collect();
+            assert_eq!(poses.shares(&placed)[..2], [0.0, 1.0]);
+        }
+    }
+
+    #[test]
+    fn without_poses_and_with_damaged_joints_there_are_shares() {
+        assert_eq!(WornPoses::default().shares(&[]), [1.0, 0.0, 0.0, 0.0, 0.0]);
+        let poses = WornPoses::new(&[pose([0.0; 3]), pose([0.0, 1.0, 0.5])], 0.01);
+        let damaged = vec![Affine3A::from_scale(Vec3::splat(f32::NAN)); 3];
+        for shares in [poses.shares(&damaged), poses.shares(&[])] {
+            assert!(shares.iter().all(|x| x.is_finite()), "{shares:?}");
+        }
+    }
+}
