@@ -19,13 +19,13 @@ const ACROSS_TIP: [f32; 3] = [-0.6, 0.0, 0.6];
 /// Clear height between two feathers, in widths of the narrower.
 const GAP: f32 = 0.02;
 /// Deepest crossing that is looked for, in widths of the narrower.
-const REACH: f32 = 0.5;
+const REACH: f32 = 0.3;
 /// Cosine between the normals of two feathers that cover each other, at least.
 const FACING: f32 = 0.2;
 /// Cosine between the normals of two feathers that lie back to back, at most.
 const BACK: f32 = -0.3;
 /// Feathers next in rank that a sample is kept on the right side of.
-const NEXT: usize = 12;
+const NEXT: usize = 14;
 /// Feathers of the other face that it is kept away from.
 const BEHIND: usize = 8;
 /// Samples that one task takes.

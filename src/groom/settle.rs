@@ -16,10 +16,10 @@ use super::{
 };
 use bevy::math::Affine3A;
 
-/// Times that contacts are looked for.
-const SEARCHES: usize = 2;
+/// Times that contacts are looked for in the first pose, and in each further one, which begins near its end.
+const SEARCHES: [usize; 2] = [4, 2];
 /// Rounds of projection after each.
-const ROUNDS: usize = 40;
+const ROUNDS: usize = 25;
 /// Furthest that a vertex moves, in distances from the root: down, up.
 const RANGE: (f32, f32) = (-0.5, 0.6);
 /// What is added to both at the root and elsewhere, in median widths.
@@ -31,7 +31,7 @@ const CLEAR: f32 = 0.035;
 /// How far a vertex goes towards the mean of those around it after each round.
 const SMOOTH: f32 = 0.05;
 /// Steepest rise between vertices side by side.
-const SLOPE: f32 = 0.4;
+const SLOPE: f32 = 0.7;
 /// Last rounds that are not smoothed.
 const ROUGH: usize = 5;
 
@@ -42,11 +42,12 @@ pub fn settle(leaves: &[Leaf], pose: &[Affine3A]) -> Vec<f32> {
     let before: Vec<f32> = leaves.iter().flat_map(raised).collect();
     let (lows, highs) = limits(leaves, &carried, &before);
     let mut heights = vec![0.0_f32; carried.places.len()];
-    for search in 0..SEARCHES {
+    let searches = SEARCHES[usize::from(leaves.iter().any(|leaf| !leaf.raised.is_empty()))];
+    for search in 0..searches {
         let contacts = Finder::new(leaves, &carried, &heights).find();
         for round in 0..ROUNDS {
             project(&contacts, &mut heights, &lows, &highs);
-            if search + 1 < SEARCHES || round + ROUGH < ROUNDS {
+            if search + 1 < searches || round + ROUGH < ROUNDS {
                 smooth(&carried.blocks, &mut heights, &lows, &highs);
             }
             flatten(leaves, &carried.blocks, &before, &mut heights);

@@ -70,7 +70,7 @@ pub fn groom(species: &Species, model: &Model) -> Groom {
     groom
 }
 
-/// The poses in which the coat is settled: at rest, and with the wing stretched.
+/// The poses in which the coat is settled: at rest, with the wing stretched, half-way there, and as modelled, with open wings.
 fn key_poses(species: &Species, skeleton: &Skeleton) -> Vec<KeyPose> {
     let round = |x: f32| (x * 1.0e5).round() * 1.0e-5;
     let pose = |(name, time): (&str, f32)| {
@@ -89,9 +89,16 @@ fn key_poses(species: &Species, skeleton: &Skeleton) -> Vec<KeyPose> {
             joints: joints.map(place).collect(),
         }
     };
-    [("rest", 0.0), ("stretch", species.stretched)]
-        .map(pose)
-        .into()
+    let clip = [
+        ("rest", 0.0),
+        ("stretch", species.stretched),
+        ("half-way", species.half_way),
+    ];
+    let open = KeyPose {
+        name: "open".into(),
+        joints: Vec::new(),
+    };
+    clip.map(pose).into_iter().chain([open]).collect()
 }
 
 /// Feathers at density 1.

@@ -126,6 +126,8 @@ pub struct Species {
     pub idle: f32,
     /// When in the idle clip the wing is stretched furthest, seconds.
     pub stretched: f32,
+    /// When it is half-way there, seconds.
+    pub half_way: f32,
 }
 
 /// Limits of tracts along the spine (mm of arc) and on the head.
@@ -293,6 +295,7 @@ pub fn macaw() -> Species {
         tail: [60., 7., 38.],
         idle: 5.0,
         stretched: 3.3,
+        half_way: 2.73,
     }
 }
 
@@ -407,6 +410,7 @@ pub fn eagle() -> Species {
         tail: [64., 12., 65.],
         idle: 6.0,
         stretched: 4.0,
+        half_way: 4.5,
     }
 }
 
