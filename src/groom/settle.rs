@@ -31,7 +31,7 @@ const CLEAR: f32 = 0.035;
 /// How far a vertex goes towards the mean of those around it after each round.
 const SMOOTH: f32 = 0.05;
 /// Steepest rise between vertices side by side.
-const SLOPE: f32 = 0.7;
+const SLOPE: f32 = 0.45;
 /// Last rounds that are not smoothed.
 const ROUGH: usize = 5;
 

@@ -6,6 +6,10 @@ use bevy::{
     camera::ScalingMode,
     diagnostic::DiagnosticsStore,
     light::{EnvironmentMapLight, GlobalAmbientLight},
+    mesh::{
+        VertexAttributeValues,
+        skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
+    },
     pbr::{Material, MaterialPlugin},
     prelude::*,
     render::render_resource::AsBindGroup,
@@ -44,6 +48,38 @@ pub fn spawn_patch(stage: &mut Stage, count: u32, at: Vec3, quality: FeatherQual
         quality,
     ));
     skin
+}
+
+/// Gives the skin of a bird a second joint, "lower", that carries its lower half.
+///
+/// # Panics
+/// If the bird is no skinned mesh.
+pub fn part_skin(stage: &mut Stage, bird: Entity) -> Entity {
+    let world = stage.app.world_mut();
+    let first = world.get::<SkinnedMesh>(bird).unwrap().joints[0];
+    let mesh = world.get::<Mesh3d>(bird).unwrap().0.clone();
+    let second = world
+        .spawn((Name::new("lower"), Transform::IDENTITY, ChildOf(bird)))
+        .id();
+    let mut poses = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>();
+    let inverse_bindposes = poses.add(SkinnedMeshInverseBindposes::from(vec![Mat4::IDENTITY; 2]));
+    let mut meshes = world.resource_mut::<Assets<Mesh>>();
+    let mut mesh = meshes.get_mut(&mesh).unwrap();
+    let Some(VertexAttributeValues::Float32x3(places)) = mesh.attribute(Mesh::ATTRIBUTE_POSITION)
+    else {
+        panic!("no places")
+    };
+    let joints = places.iter().map(|p| [u16::from(p[1] < 0.0), 0, 0, 0]);
+    let joints = VertexAttributeValues::Uint16x4(joints.collect());
+    let weights = vec![[1.0, 0.0, 0.0, 0.0]; places.len()];
+    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, joints);
+    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
+    drop(mesh);
+    world.entity_mut(bird).insert(SkinnedMesh {
+        inverse_bindposes,
+        joints: vec![first, second],
+    });
+    second
 }
 
 /// Quality with a debug view.

@@ -1,16 +1,10 @@
 //! Culling: what the camera sees of a bird is drawn, wherever skeleton, wind and ruffle have put it.
 
-use bevy::{
-    mesh::{
-        VertexAttributeValues,
-        skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
-    },
-    prelude::*,
-};
+use bevy::{mesh::skinning::SkinnedMesh, prelude::*};
 use bevy_plumage::prelude::*;
 use plumage_tests::{
     app::{SIZE, Stage},
-    view::{culled, frames, orthographic, showing, spawn_patch},
+    view::{culled, frames, orthographic, part_skin, showing, spawn_patch},
 };
 
 fn lit_share(picture: &[[f32; 3]]) -> f32 {
@@ -82,33 +76,6 @@ fn feathers_follow_the_skeleton_to_the_edge_of_the_picture() {
     assert!(gone.iter().any(|n| (20..150).contains(n)), "{gone:?}");
 }
 
-/// A second joint carries the lower half of the skin.
-fn part(stage: &mut Stage, bird: Entity) -> Entity {
-    let world = stage.app.world_mut();
-    let first = world.get::<SkinnedMesh>(bird).unwrap().joints[0];
-    let mesh = world.get::<Mesh3d>(bird).unwrap().0.clone();
-    let second = world.spawn((Transform::IDENTITY, ChildOf(bird))).id();
-    let mut poses = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>();
-    let inverse_bindposes = poses.add(SkinnedMeshInverseBindposes::from(vec![Mat4::IDENTITY; 2]));
-    let mut meshes = world.resource_mut::<Assets<Mesh>>();
-    let mut mesh = meshes.get_mut(&mesh).unwrap();
-    let Some(VertexAttributeValues::Float32x3(places)) = mesh.attribute(Mesh::ATTRIBUTE_POSITION)
-    else {
-        panic!("no places")
-    };
-    let joints = places.iter().map(|p| [u16::from(p[1] < 0.0), 0, 0, 0]);
-    let joints = VertexAttributeValues::Uint16x4(joints.collect());
-    let weights = vec![[1.0, 0.0, 0.0, 0.0]; places.len()];
-    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, joints);
-    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
-    drop(mesh);
-    world.entity_mut(bird).insert(SkinnedMesh {
-        inverse_bindposes,
-        joints: vec![first, second],
-    });
-    second
-}
-
 /// Feathers whose roots are above the picture hang into it. What an orthographic camera sees of them is, to the pixel, what it
 /// sees from higher up and farther right, where the roots are in the picture: lying still, bent by wind and ruffle, and where joints have parted
 /// between root and tip.
@@ -151,7 +118,7 @@ fn feathers_rooted_outside_reach_into_the_picture() {
             "parted joints" => {
                 stage.app.insert_resource(Wind::default());
                 stage.app.world_mut().entity_mut(bird).remove::<Ruffle>();
-                let second = part(&mut stage, bird);
+                let second = part_skin(&mut stage, bird);
                 stage.frame();
                 stage.settle();
                 let mut at = stage.app.world_mut().get_mut::<Transform>(second).unwrap();

@@ -20,3 +20,4 @@ mod transparency;
 mod wind;
 mod wind_motion;
 mod without_gpu;
+mod worn;
