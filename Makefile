@@ -66,6 +66,7 @@ gallery:
 charts: setup
 	$(CARGO) run -p plumage_tools --bin scattering_charts
 	$(CARGO) run -p plumage_tools --bin transparency_chart
+	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin iridescence_charts
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin query_charts
 	$(CARGO) run --features comparison --example parrot -- --headless --scene studio --size 240x135 --time 0 --camera closeup --compare docs/charts/parrot_closeup.json
 	$(CARGO) run --features comparison --example parrot -- --headless --scene studio --size 1280x720 --time 0 --camera hero --transparency hashed --compare docs/charts/parrot_hero.json

@@ -18,6 +18,7 @@ use bevy_plumage::{Card, CardGeometry, PlumageCards, prelude::*};
 use helper::{
     Args,
     camera::{Framing, Shots},
+    cost,
 };
 
 fn main() -> AppExit {
@@ -97,12 +98,12 @@ const LENGTH: f32 = 0.31;
 fn spawn(
     mut commands: Commands,
     waiting: Query<(Entity, &Waiting)>,
-    feathers: Res<Assets<Feather>>,
+    mut feathers: ResMut<Assets<Feather>>,
     args: Res<Args>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
     for (entity, Waiting(handle)) in &waiting {
-        let Some(feather) = feathers.get(handle) else {
+        let Some(feather) = feathers.get(handle).cloned() else {
             continue;
         };
         let length = LENGTH;
@@ -116,19 +117,38 @@ fn spawn(
         } else {
             [0.03, 0.12, 0.55]
         };
-        commands.entity(entity).remove::<Waiting>().insert((
-            Mesh3d(meshes.add(card_mesh(length, width))),
-            quality,
-            args.ruffle(),
-            PlumageCards::new(
-                [card(length, width, tint)],
-                [CardGeometry {
-                    first_vertex: 0,
-                    vertex_count: 75,
-                }],
-                vec![handle.clone()],
-            ),
-        ));
+        let mesh = meshes.add(card_mesh(length, width));
+        let drawn = |feather: Handle<Feather>| {
+            (
+                Mesh3d(mesh.clone()),
+                quality,
+                args.ruffle(),
+                PlumageCards::new(
+                    [card(length, width, tint)],
+                    [CardGeometry {
+                        first_vertex: 0,
+                        vertex_count: 75,
+                    }],
+                    vec![feather],
+                ),
+            )
+        };
+        if args.layers_cost.is_some() {
+            let mut bare = feather;
+            bare.iridescence = None;
+            bare.iridescence_scale = None;
+            commands.spawn((
+                drawn(feathers.add(bare)),
+                cost::Timed(false),
+                Transform::IDENTITY,
+                Visibility::Hidden,
+            ));
+            commands.entity(entity).insert(cost::Timed(true));
+        }
+        commands
+            .entity(entity)
+            .remove::<Waiting>()
+            .insert(drawn(handle.clone()));
     }
 }
 

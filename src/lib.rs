@@ -88,6 +88,7 @@ pub use groom::{
     PlumageParts, PlumageReady, PlumageState, PlumageSystems, Region, Row, Segments, Select, Span,
     Station, Tint,
 };
+pub use maths::scattering::interference::{Base, Iridescence, ScaleMap, Structure};
 pub use maths::scattering::{Fibre, FibreKind, Optics, Sheen};
 pub use parameter::{Length, Parameter};
 pub use plugin::PlumagePlugins;

@@ -208,6 +208,9 @@ pub struct Args {
     /// Print a line with the adapter, milliseconds a frame and bytes of fur; `--frames` says how many are timed.
     #[arg(long, help_heading = "Off screen")]
     pub bench: bool,
+    /// `single_feather`: time the feather with and without its thin layers, this many frames each in turn, and print both.
+    #[arg(long, help_heading = "Off screen")]
+    pub layers_cost: Option<u32>,
     /// Render by every way to find coverage; write what each costs and how wrong it is, as JSON.
     #[cfg(feature = "comparison")]
     #[arg(long, help_heading = "Off screen")]

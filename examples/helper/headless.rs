@@ -88,6 +88,10 @@ fn picture(app: &mut App, name: &str, args: &Args) -> Result<(), String> {
     if let Some(file) = &args.compare {
         return super::compare::run(app, &image, file);
     }
+    if let Some(rounds) = args.layers_cost {
+        super::cost::run(app, rounds.max(1), name);
+        return Ok(());
+    }
     let frames = args.frames.max(1);
     let mut times = Vec::new();
     for number in 1..=WARM_UP + frames {

@@ -12,6 +12,7 @@ pub mod camera;
 #[cfg(feature = "comparison")]
 pub mod compare;
 pub mod controls;
+pub mod cost;
 pub mod growth;
 pub mod headless;
 pub mod help;

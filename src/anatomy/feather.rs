@@ -8,7 +8,10 @@
 use super::v1;
 use crate::{
     asset::{AssetError, RonAsset, parse},
-    maths::scattering::{Optics, interference::Iridescence},
+    maths::scattering::{
+        Optics,
+        interference::{Iridescence, ScaleMap},
+    },
     parameter::{Length, Parameter},
 };
 use bevy::{
@@ -54,6 +57,10 @@ pub struct Feather {
     /// Thin layers that make the dark parts of its barbules shimmer; none in most feathers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub iridescence: Option<Iridescence>,
+    /// Factors on the thickness of these layers over the card, for feathers whose color changes from place to place; 1 everywhere when
+    /// absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub iridescence_scale: Option<ScaleMap>,
     /// The image that `albedo.image` names; the loader fills it in.
     #[serde(skip)]
     #[dependency]
@@ -286,6 +293,7 @@ impl Default for Feather {
             albedo: Albedo::default(),
             optics: Optics::default(),
             iridescence: None,
+            iridescence_scale: None,
             image: None,
         }
     }
@@ -374,7 +382,7 @@ impl RonAsset for Feather {
         parse::<v1::Feather>(bytes, file).map(Self::from)
     }
 
-    /// The stops of a pattern rise.
+    /// The stops of a pattern rise; the rows of a map are full.
     fn check_relations(&self) -> Result<(), AssetError> {
         let front = std::iter::once(("front", &self.albedo.front));
         for (face, pattern) in front.chain(self.albedo.back.as_ref().map(|back| ("back", back))) {
@@ -389,6 +397,16 @@ impl RonAsset for Feather {
                     ));
                 }
                 last = stop.v;
+            }
+        }
+        if let Some(map) = &self.iridescence_scale {
+            let (columns, found) = (map.columns as usize, map.factors.len());
+            if columns == 0 || !found.is_multiple_of(columns) || found / columns > 64 {
+                return Err(AssetError::value(
+                    "iridescence_scale.factors",
+                    format_args!("{found} long"),
+                    format_args!("1 to 64 rows of {columns}"),
+                ));
             }
         }
         Ok(())

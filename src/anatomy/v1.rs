@@ -68,6 +68,7 @@ impl From<Feather> for super::Feather {
             },
             optics: old.optics,
             iridescence: None,
+            iridescence_scale: None,
             image: None,
         }
     }

@@ -97,7 +97,7 @@ impl FeatherPipelineKey {
     /// have a short form of them, unless more than their color is asked of the fibres.
     pub fn with_plain_fibres(self, plain: bool) -> Self {
         let short = matches!(self.drawn, DrawnCards::Far | DrawnCards::Mean)
-            && !(self.sampled_environment || self.overdraw || self.debug || self.iridescent);
+            && !(self.sampled_environment || self.overdraw || self.debug);
         Self {
             plain: plain && short,
             ..self

@@ -3,7 +3,7 @@
 use super::{
     lod, material,
     material::DebugView,
-    pack::{CARD_VEC4S, FEATHER_STRIDE, HEADER_LENGTH, MAX_REGIONS, header},
+    pack::{CARD_VEC4S, FEATHER_STRIDE, HEADER_LENGTH, MAX_REGIONS, header, stack},
 };
 use crate::{
     anatomy::{CONTOUR_ROWS, RACHIS_ROWS},
@@ -11,7 +11,7 @@ use crate::{
         query::Lod,
         scattering::{
             KEPT_AZIMUTHS, KEPT_LEVELS, SHEEN_TABLE_SIZE, SHORT_HEAD_VEC4S, SHORT_ROW_VEC4S,
-            SHORT_TABLE_VEC4S, interference::STACK_TEXELS,
+            SHORT_TABLE_VEC4S, interference::SEEN_STEPS,
         },
     },
     shaders::{ConstantLayout, StructLayout},
@@ -51,6 +51,11 @@ pub fn constant_layouts() -> Vec<ConstantLayout> {
             ("MEETING", header::MEETING),
             ("CAUGHT", header::CAUGHT),
             ("MIRRORS", header::MIRRORS),
+            ("STACK_SIDE", stack::SIDE),
+            ("STACK_TURN", stack::TURN),
+            ("STACK_ROWS", stack::ROWS),
+            ("STACK_MAP", stack::MAP),
+            ("STACK_SEEN", stack::SEEN),
             ("KEPT_LEVELS", KEPT_LEVELS),
             ("KEPT_AZIMUTHS", KEPT_AZIMUTHS),
             ("CARD_LENGTH", CARD_VEC4S),
@@ -72,7 +77,7 @@ pub fn constant_layouts() -> Vec<ConstantLayout> {
     ));
     all.extend(in_file(
         "maths/interference.wgsl",
-        &[("STACK_TEXELS", STACK_TEXELS)],
+        &[("SEEN_STEPS", SEEN_STEPS)],
     ));
     all.extend(in_file(
         "maths/query.wgsl",

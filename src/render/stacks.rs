@@ -1,10 +1,7 @@
 //! Tables of thin layers, computed off the main thread.
 
-use super::pack::{StackTables, find_stack};
-use crate::{
-    anatomy::Feather,
-    maths::scattering::interference::{Iridescence, StackTable},
-};
+use super::pack::{Layers, StackTables, find_stack};
+use crate::{anatomy::Feather, maths::scattering::interference::StackTable};
 use bevy::{
     prelude::Resource,
     tasks::{AsyncComputeTaskPool, Task, block_on, poll_once},
@@ -14,7 +11,7 @@ use bevy::{
 #[derive(Resource, Default)]
 pub struct StackWork {
     ready: StackTables,
-    tasks: Vec<(Iridescence, Task<StackTable>)>,
+    tasks: Vec<(Layers, Task<StackTable>)>,
 }
 
 impl StackWork {
@@ -29,7 +26,7 @@ impl StackWork {
         });
         let mut out = StackTables::new();
         let mut missing = false;
-        for layers in feathers.iter().filter_map(|f| f.iridescence) {
+        for layers in feathers.iter().filter_map(|f| Layers::of(f)) {
             if let Some(table) = find_stack(&self.ready, &layers) {
                 if find_stack(&out, &layers).is_none() {
                     out.push((layers, table.clone()));
@@ -37,13 +34,19 @@ impl StackWork {
                 continue;
             }
             missing = true;
-            if !self
-                .tasks
-                .iter()
-                .any(|(known, _)| known.same_layers(&layers))
-            {
+            if !self.tasks.iter().any(|(known, _)| known.same(&layers)) {
                 let pool = AsyncComputeTaskPool::get();
-                let task = pool.spawn(async move { StackTable::build(&layers) });
+                // Every row on its own.
+                let rows: Vec<_> = (0..layers.rows())
+                    .map(|i| pool.spawn(async move { layers.row(i) }))
+                    .collect();
+                let task = pool.spawn(async move {
+                    let mut texels = Vec::new();
+                    for row in rows {
+                        texels.extend(row.await);
+                    }
+                    layers.joined(texels)
+                });
                 self.tasks.push((layers, task));
             }
         }

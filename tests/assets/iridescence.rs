@@ -2,7 +2,7 @@
 
 use bevy_plumage::anatomy::Feather;
 use bevy_plumage::asset::{AssetError, RonAsset};
-use bevy_plumage::maths::scattering::interference::{Iridescence, Structure};
+use bevy_plumage::maths::scattering::interference::{Iridescence, ScaleMap, Structure};
 use plumage_tests::shipped;
 
 fn shimmering() -> String {
@@ -11,12 +11,65 @@ fn shimmering() -> String {
     feather.to_ron().expect("text")
 }
 
+/// Thickness over the card: what may stand there.
+#[test]
+fn a_map_of_thickness_is_read_back_and_checked() {
+    let mut feather = shipped::feather("contour");
+    feather.iridescence = Some(Iridescence::default());
+    feather.iridescence_scale = Some(ScaleMap {
+        columns: 2,
+        factors: vec![0.8, 1.0, 1.2, 1.4],
+    });
+    let text = feather.to_ron().expect("text");
+    let back = Feather::from_ron(text.as_bytes(), "x").expect("read back");
+    assert_eq!(back, feather);
+    let at = |from: &str| text.find(from).unwrap_or_else(|| panic!("{from}: {text}"));
+    let map = &text[at("iridescence_scale")..];
+    let cases = [
+        (
+            "0.8, 1.0",
+            "0.5, 1.0",
+            "iridescence_scale.factors[0]` is 0.5, allowed is 0.6 to 1.6",
+        ),
+        (
+            "1.2, 1.4",
+            "1.2, NaN",
+            "iridescence_scale.factors[3]` is NaN, allowed is 0.6 to 1.6",
+        ),
+        (
+            "columns: 2",
+            "columns: 0",
+            "iridescence_scale.columns` is 0, allowed is 1 to 64",
+        ),
+        (
+            "columns: 2",
+            "columns: 10000",
+            "iridescence_scale.columns` is 10000, allowed is 1 to 64",
+        ),
+        (
+            "columns: 2",
+            "columns: 3",
+            "iridescence_scale.factors` is 4 long, allowed is 1 to 64 rows of 3",
+        ),
+    ];
+    for (good, bad, wanted) in cases {
+        assert!(map.contains(good), "{good}: {map}");
+        let damaged = text.replace(map, &map.replace(good, bad));
+        let error = Feather::from_ron(damaged.as_bytes(), "x.feather.ron").expect_err(bad);
+        assert!(matches!(error, AssetError::Value { .. }), "{error}");
+        assert_eq!(error.to_string(), format!("x.feather.ron: `{wanted}"));
+    }
+}
+
 #[test]
 fn files_without_layers_stay_as_they_are() {
     let feather = shipped::feather("contour");
     assert_eq!(feather.iridescence, None);
     let text = feather.to_ron().expect("text");
     assert!(!text.contains("iridescence"), "{text}");
+    // One that shimmers but says nothing of a map has none.
+    let plain = Feather::from_ron(shimmering().as_bytes(), "x").expect("read");
+    assert_eq!(plain.iridescence_scale, None);
 }
 
 #[test]

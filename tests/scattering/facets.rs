@@ -1,5 +1,6 @@
 //! The lobe of a side that mirrors: energy, reciprocity, its sampler (docs/book/iridescence.md#lobe).
 
+use bevy_plumage::maths::functions::Real;
 use bevy_plumage::maths::scattering::interference::*;
 use plumage_tests::shipped::{stack, stacks};
 use rayon::prelude::*;
@@ -9,9 +10,7 @@ const FLATNESSES: [f64; 5] = [0.05, 0.1, 0.2, 0.5, 1.0];
 const ANGLES: [f64; 7] = [0.0, 0.3, 0.7, 1.0, 1.3, 1.5, 1.57];
 
 fn white() -> StackTable {
-    StackTable {
-        texels: vec![[1.0; 3]; STACK_TEXELS],
-    }
+    StackTable::single(vec![[1.0; 3]; STACK_TEXELS])
 }
 
 /// Different in every channel and with the angle.
@@ -24,9 +23,19 @@ fn colored() -> StackTable {
             0.1 + 0.8 * c * c,
         ]
     };
-    StackTable {
-        texels: (0..STACK_TEXELS).map(texel).collect(),
-    }
+    StackTable::single((0..STACK_TEXELS).map(texel).collect())
+}
+
+/// An eye before facets of which nothing is tabled yet.
+fn eye_at<T: Real>(facets: &Facets<T>, table: &StackTable, omega_o: [T; 3]) -> FacetEye<T> {
+    let double = |x: T| x.to_f64().expect("a number");
+    let whole = Facets {
+        flatness: double(facets.flatness),
+        slope: double(facets.slope),
+        back: double(facets.back),
+    };
+    let seen = SeenTable::build(&whole, table);
+    facet_eye(facets, &seen, table, T::one(), omega_o)
 }
 
 fn direction(theta: f64, phi: f64) -> [f64; 3] {
@@ -95,14 +104,15 @@ fn white_facets_return_what_arrives() {
         .map(|flatness| {
             let mut ends = [9.0_f64, 0.0];
             for degrees in [2.0_f64, 5.0, 8.0, 12.0, 16.0, 20.0] {
+                let facets = Facets {
+                    flatness,
+                    slope: degrees.to_radians(),
+                    back: 1.0,
+                };
+                let seen = SeenTable::build(&facets, &white);
                 for theta in ANGLES {
                     for phi in ANGLES {
-                        let facets = Facets {
-                            flatness,
-                            slope: degrees.to_radians(),
-                            back: 1.0,
-                        };
-                        let eye = facet_eye(&facets, &white, direction(theta, phi));
+                        let eye = facet_eye(&facets, &seen, &white, 1.0, direction(theta, phi));
                         assert!((eye.energy[0] - 1.0).abs() < 1e-12);
                         let found = furnace(&eye, &white)[1];
                         assert!(
@@ -121,6 +131,53 @@ fn white_facets_return_what_arrives() {
     println!("white furnace of facets: {low:.4} to {high:.4}");
 }
 
+/// Between its texels the table of what an eye sees is the rule that it was made by.
+#[test]
+fn what_an_eye_sees_is_tabled() {
+    let worst = ["anna_gorget", "peacock_green", "pigeon_green"]
+        .into_par_iter()
+        .map(|name| {
+            let table = StackTable::build(&stack(name));
+            let mut worst = [0.0_f64; 2];
+            for flatness in FLATNESSES {
+                for slope in [0.035, 0.14, 0.34] {
+                    let facets = Facets {
+                        flatness,
+                        slope,
+                        back: 1.0,
+                    };
+                    let seen = SeenTable::build(&facets, &table);
+                    for i in 0..600 {
+                        let omega = sphere(i);
+                        let view = facet_view(&facets, omega);
+                        let (mut area, mut energy) = (0.0, [0.0; 3]);
+                        for node in 0..200 {
+                            let angle = (f64::from(node) + 0.5) / 200.0 * PI - FRAC_PI_2;
+                            let [cosine, part] = facet_node(&facets, &view, angle.sin_cos());
+                            let color = table.color(cosine);
+                            area += part * FRAC_PI_2 / 200.0;
+                            energy = std::array::from_fn(|c| {
+                                energy[c] + part * color[c] * FRAC_PI_2 / 200.0
+                            });
+                        }
+                        let eye = facet_eye(&facets, &seen, &table, 1.0, omega);
+                        worst[0] = worst[0].max((eye.area / area - 1.0).abs());
+                        for (found, wanted) in eye.energy.iter().zip(energy) {
+                            worst[1] = worst[1].max((found - wanted / area).abs());
+                        }
+                    }
+                }
+            }
+            worst
+        })
+        .reduce(|| [0.0; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+    println!(
+        "tabled eyes: area within {:.4}, energy within {:.4}",
+        worst[0], worst[1]
+    );
+    assert!(worst[0] < 0.02 && worst[1] < 0.04, "{worst:?}");
+}
+
 /// The energy that is kept out of the fibre is the one that the lobe gives back.
 #[test]
 fn the_energy_of_a_stack_is_its_lobes() {
@@ -135,7 +192,7 @@ fn the_energy_of_a_stack_is_its_lobes() {
         };
         for theta in [0.0, 0.4, 0.8, 1.2] {
             for phi in [0.0, 0.5, 1.0, 1.4] {
-                let eye = facet_eye(&facets, &table, direction(theta, phi));
+                let eye = eye_at(&facets, &table, direction(theta, phi));
                 let found = furnace(&eye, &table);
                 for (found, energy) in found.iter().zip(eye.energy) {
                     worst = worst.max((found - energy).abs());
@@ -151,16 +208,29 @@ fn the_energy_of_a_stack_is_its_lobes() {
 fn facets_are_reciprocal_and_take_their_color_half_way() {
     let (white, colored) = (white(), colored());
     let mut worst = [0.0_f64; 2];
+    let slopes = [0.05, 0.09, 0.17, 0.34];
+    let sides: Vec<_> = (0..20)
+        .into_par_iter()
+        .map(|i| {
+            let facets = Facets {
+                flatness: FLATNESSES[i % 5],
+                slope: slopes[i / 5],
+                back: 1.0,
+            };
+            let [white, colored] = [&white, &colored].map(|t| SeenTable::build(&facets, t));
+            (facets, white, colored)
+        })
+        .collect();
     for i in 0..2_000 {
+        let (side, seen_white, seen) = &sides[i / 3 % 20];
         let facets = Facets {
-            flatness: FLATNESSES[i % 5],
-            slope: 0.05 + 0.3 * (i as f64 * 0.618_034).fract(),
             back: [1.0, 0.3, 0.0][i % 3],
+            ..*side
         };
         let (o, l) = (sphere(i + 1), sphere(3 * i + 7));
         let (there, back) = (
-            facet_eye(&facets, &colored, o),
-            facet_eye(&facets, &colored, l),
+            facet_eye(&facets, seen, &colored, 1.0, o),
+            facet_eye(&facets, seen, &colored, 1.0, l),
         );
         let one = facet_evaluate(&there, &colored, l).map(|k| k * there.area);
         let two = facet_evaluate(&back, &colored, o).map(|k| k * back.area);
@@ -174,7 +244,7 @@ fn facets_are_reciprocal_and_take_their_color_half_way() {
             slope: facets.slope as f32,
             back: facets.back as f32,
         };
-        let there32 = facet_eye(&small, &colored, single(o));
+        let there32 = facet_eye(&small, seen, &colored, 1.0, single(o));
         let k32 = facet_evaluate(&there32, &colored, single(l));
         let k = facet_evaluate(&there, &colored, l);
         let peak = facet_density(&facets, [0.0, 0.0, 1.0]) / (4.0 * there.area);
@@ -188,8 +258,8 @@ fn facets_are_reciprocal_and_take_their_color_half_way() {
             back: 1.0,
             ..facets
         };
-        let plain = facet_evaluate(&facet_eye(&full, &white, o), &white, l)[0];
-        let tinted = facet_evaluate(&facet_eye(&full, &colored, o), &colored, l);
+        let plain = facet_evaluate(&facet_eye(&full, seen_white, &white, 1.0, o), &white, l)[0];
+        let tinted = facet_evaluate(&facet_eye(&full, seen, &colored, 1.0, o), &colored, l);
         let half = 0.5 * (0..3).map(|k| (o[k] + l[k]).powi(2)).sum::<f64>().sqrt();
         let color = colored.color(half);
         for c in 0..3 {
@@ -223,7 +293,7 @@ fn samples_have_the_density_they_claim() {
             back: 1.0,
         };
         let name = format!("{flatness} {slope} {theta}");
-        let eye = facet_eye(&facets, &table, direction(theta, 0.64));
+        let eye = eye_at(&facets, &table, direction(theta, 0.64));
         let (rings, sectors) = (16, 20);
         let bin = |d: [f64; 3]| {
             let ring = ((d[0] + 1.0) * 0.5 * rings as f64) as usize;
@@ -304,7 +374,7 @@ fn a_lean_turns_the_mirror() {
         assert!((found[2] - 1.0).abs() < 1e-12, "{found:?}");
         // The flash of an eye on the fibre's normal is where the mirrored eye is: twice the angle away.
         let o = [0.0, 0.0, 1.0];
-        let eye = facet_eye(&facets, &table, turn(o));
+        let eye = eye_at(&facets, &table, turn(o));
         let facing = dot(normal, o);
         let mirrored: [f64; 3] = std::array::from_fn(|k| 2.0 * facing * normal[k] - o[k]);
         let flash = facet_evaluate(&eye, &table, turn(mirrored))[1];
@@ -326,7 +396,7 @@ fn a_gorget_flashes_in_a_narrow_cone() {
     };
     let luminance = |degrees: f64| {
         let o = direction(0.0, degrees.to_radians());
-        let eye = facet_eye(&facets, &table, o);
+        let eye = eye_at(&facets, &table, o);
         let k = facet_evaluate(&eye, &table, o);
         0.2126 * k[0] + 0.7152 * k[1] + 0.0722 * k[2]
     };
@@ -362,7 +432,7 @@ fn edges_are_finite() {
                     back,
                 };
                 for o in &axes {
-                    let eye = facet_eye(&facets, &table, *o);
+                    let eye = eye_at(&facets, &table, *o);
                     assert!(eye.area > 0.0 && eye.energy.iter().all(|e| (0.0..=1.0).contains(e)));
                     for l in &axes {
                         let k = facet_evaluate(&eye, &table, *l);

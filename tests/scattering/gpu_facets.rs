@@ -9,59 +9,103 @@ use plumage_tests::gpu::run;
 use plumage_tests::shipped::stack;
 use rand_pcg::Pcg64Mcg;
 
-const FLOATS: usize = 16;
+const FLOATS: usize = 22;
+const FLATNESSES: [f32; 4] = [0.05, 0.14, 0.4, 1.0];
+const SLOPES: [f32; 4] = [0.05, 0.1, 0.2, 0.349];
 const RESULTS: usize = 16;
 
 const TEXT: &str = "
 #import bevy_plumage::interference as interference
-const TABLE: u32 = 256u;
+// Behind two rows of colors: what eyes see of four flatnesses by four slopes.
+const SEEN: u32 = 512u;
+const CASES: u32 = SEEN + 16u * 2048u;
 
 fn vector(at: u32) -> vec3<f32> { return vec3<f32>(input[at], input[at + 1u], input[at + 2u]); }
 
-fn stack_color(cosine: f32) -> vec3<f32> {
-    let place = interference::stack_place(cosine);
-    let at = 4u * place.index;
-    return interference::in_gamut(mix(vector(at), vector(at + 4u), place.fraction));
+fn four(at: u32) -> vec4<f32> { return vec4<f32>(vector(at), input[at + 3u]); }
+
+fn stack_look(cosine: f32, scale: f32) -> vec4<f32> {
+    let row = interference::stack_row(scale, 1.0, -0.5, 2u);
+    let place = interference::stack_step(cosine, 64u);
+    let at = 4u * (64u * row.index + place.index);
+    let low = mix(four(at), four(at + 4u), place.fraction);
+    let high = mix(four(at + 256u), four(at + 260u), place.fraction);
+    let look = mix(low, high, row.fraction);
+    return vec4<f32>(interference::in_gamut(look.rgb), look.w);
+}
+
+fn seen_quad(at: u32, fraction: vec2<f32>) -> vec4<f32> {
+    return interference::seen_mix(four(at), four(at + 4u), four(at + 64u), four(at + 68u), fraction);
 }
 
 fn evaluate(i: u32) {
-    let at = TABLE + i * 16u;
+    let at = CASES + i * 22u;
     let facets = interference::Facets(input[at], input[at + 1u], input[at + 2u]);
     let eye = vector(at + 3u);
     let light = vector(at + 6u);
+    let place = interference::scale_place(vec2<u32>(2u, 2u), vec2<f32>(input[at + 16u], input[at + 17u]));
+    let scale = interference::scale_mix(vec4<f32>(0.75, 0.9, 1.1, 1.4), place.fraction);
     let view = interference::facet_view(facets, eye);
-    var area = 0.0;
-    var energy = vec3<f32>(0.0);
-    for (var node = 0u; node < interference::FACET_NODES; node++) {
-        let found = interference::facet_node(facets, view, node);
-        area += found.y;
-        energy += found.y * interference::facet_color(facets, stack_color(found.x), found.x, found.z);
-    }
-    let half_way = interference::facet_half_way(eye, light);
-    let color = interference::facet_color(facets, stack_color(half_way.w), half_way.w, half_way.z);
+    let seen_at = interference::seen_place(facets, vec2<f32>(input[at + 19u], input[at + 20u]), eye);
+    let row = interference::stack_row(scale, 1.0, -0.5, 2u);
+    let first = SEEN + 2048u * u32(input[at + 18u]) + 4u * seen_at.index;
+    let texel = mix(seen_quad(first, seen_at.fraction), seen_quad(first + 1024u, seen_at.fraction), row.fraction);
+    let seen = interference::facet_seen(texel, seen_at);
+    let bare = vec4<f32>(seen.energy, stack_look(seen_at.facing, scale).w);
+    let energy = interference::facet_color(bare, interference::facet_share(facets, seen_at.outer));
+    let area = seen.area;
+    let half_way = interference::facet_half_way(eye + light);
+    let color = interference::facet_color(stack_look(half_way.w, scale), interference::facet_side(facets, half_way.z));
     let k = interference::facet_evaluate(facets, area, half_way) * color;
     let drawn = interference::facet_sample(facets, view, eye, vector(at + 9u));
     let turned = interference::facet_turn(light, vec2<f32>(input[at + 12u], input[at + 13u]), vec2<f32>(input[at + 14u], input[at + 15u]));
-    let results = array<f32, 16>(k.x, k.y, k.z, area, energy.x / area, energy.y / area, energy.z / area,
-        interference::facet_pdf(facets, view, eye, half_way), drawn.x, drawn.y, drawn.z, drawn.w, turned.x, turned.y, turned.z, 0.0);
+    let results = array<f32, 16>(k.x, k.y, k.z, area, energy.x, energy.y, energy.z,
+        interference::facet_pdf(facets, view, eye, half_way), drawn.x, drawn.y, drawn.z, drawn.w, turned.x, turned.y, turned.z, scale);
     for (var j = 0u; j < 16u; j++) { output[i * 16u + j] = results[j]; }
 }
 ";
 
 #[test]
 fn facets_on_the_gpu_are_those_of_the_crate() {
-    let table = StackTable::build(&stack("coeligena_green"));
-    let mut input: Vec<f32> = table
-        .texels
-        .iter()
-        .flat_map(|texel| [texel[0] as f32, texel[1] as f32, texel[2] as f32, 0.0])
-        .collect();
+    // Two rows, of factors on the thickness an octave apart: the second is the first, backwards.
+    let row = StackTable::build(&stack("coeligena_green")).texels;
+    let table = StackTable {
+        texels: row.iter().chain(row.iter().rev()).copied().collect(),
+        rows: 2,
+        scales: [0.5_f64.sqrt(), 2.0_f64.sqrt()],
+    };
+    // As the shader has it: in single precision.
+    let rounded = StackTable {
+        texels: table
+            .texels
+            .iter()
+            .map(|texel| texel.map(|x| f64::from(x as f32)))
+            .collect(),
+        ..table.clone()
+    };
+    let mut input: Vec<f32> = Vec::new();
+    for (i, [r, g, b]) in table.texels.iter().enumerate() {
+        let last = bare(i % STACK_TEXELS, STACK_TEXELS);
+        input.extend([*r, *g, *b, last].map(|x| x as f32));
+    }
+    let sides: [Facets<f64>; 16] = std::array::from_fn(|i| Facets {
+        flatness: f64::from(FLATNESSES[i % 4]),
+        slope: f64::from(SLOPES[i / 4]),
+        back: 1.0,
+    });
+    let seen = sides.map(|side| SeenTable::build(&side, &rounded));
+    let texels = seen.iter().flat_map(|table| table.texels.iter().flatten());
+    input.extend(texels.map(|x| *x as f32));
+    let cases = input.len();
+    let map = ScaleMap {
+        columns: 2,
+        factors: vec![0.75, 0.9, 1.1, 1.4],
+    };
     let mut random = Pcg64Mcg::new(77);
-    let slopes = [0.05, 0.1, 0.2, 0.349];
     let count = 24 * 24 * 16;
     for i in 0..count {
-        let flatness = [0.05, 0.14, 0.4, 1.0][i % 4];
-        let slope = slopes[i / 4 % 4];
+        let flatness = FLATNESSES[i % 4];
+        let slope = SLOPES[i / 4 % 4];
         let back = [1.0, 0.4][i / 16 % 2];
         let eye = on_sphere(&mut random);
         let mut light = on_sphere(&mut random);
@@ -83,21 +127,16 @@ fn facets_on_the_gpu_are_those_of_the_crate() {
         input.extend(light);
         input.extend(u);
         input.extend([rise.sin(), rise.cos(), lean.sin(), lean.cos()]);
+        input.extend([uniform(&mut random) as f32, uniform(&mut random) as f32]);
+        let [across, along] = facet_constants(&sides[i % 16]);
+        input.extend([(i % 16) as f32, across as f32, along as f32, 0.0]);
     }
     let Some(out) = run(&["interference.wgsl"], TEXT, &input, count, count * RESULTS) else {
         return;
     };
-    // As the shader has it: in single precision.
-    let rounded = StackTable {
-        texels: table
-            .texels
-            .iter()
-            .map(|texel| texel.map(|x| f64::from(x as f32)))
-            .collect(),
-    };
     let mut worst = [0.0_f64; 5];
     for (i, got) in out.chunks(RESULTS).enumerate() {
-        let v: Vec<f64> = input[4 * STACK_TEXELS + i * FLOATS..][..FLOATS]
+        let v: Vec<f64> = input[cases + i * FLOATS..][..FLOATS]
             .iter()
             .map(|x| f64::from(*x))
             .collect();
@@ -108,7 +147,9 @@ fn facets_on_the_gpu_are_those_of_the_crate() {
             slope: v[1],
             back: v[2],
         };
-        let eye = facet_eye(&facets, &rounded, three(3));
+        let scale: f64 = map.at([v[16], v[17]]);
+        let eye = facet_eye(&facets, &seen[i % 16], &rounded, scale, three(3));
+        worst[1] = worst[1].max((got[15] - scale).abs());
         let k = facet_evaluate(&eye, &rounded, three(6));
         let peak = facet_density(&facets, [0.0, 0.0, 1.0]) / (4.0 * eye.area);
         for (got, k) in got.iter().zip(k) {
@@ -154,7 +195,8 @@ fn a_stack_takes_its_share_first() {
                     slope: 0.1,
                     back: 1.0,
                 };
-                let eye = facet_eye(&facets, &table, omega_o);
+                let seen = SeenTable::build(&facets, &table);
+                let eye = facet_eye(&facets, &seen, &table, 1.0, omega_o);
                 for albedo in [0.0, 0.03, 0.5, 1.0] {
                     let mut shading = shade(&fibre_table, albedo, omega_o, 0.0);
                     let before = shading;

@@ -416,6 +416,82 @@ fn pigeons_change_between_green_and_purple() {
     assert!(g > 2.0 * r, "{r} {g}");
 }
 
+/// Between its rows a table over the thickness has the colors of stacks that are as thick.
+#[test]
+fn thickness_between_rows_is_interpolated() {
+    let bronze = stack("bronzewing");
+    let range = [0.9, 1.1];
+    let table = StackTable::scaled(&bronze, range);
+    assert_eq!((table.rows, table.columns()), (9, SCALED_TEXELS));
+    // Half way between two rows, and at a row.
+    let step = (range[1] / range[0]).powf(1.0 / 8.0);
+    let mut list = Vec::new();
+    for scale in [0.9 * step.powf(2.5), 0.9 * step.powi(4), 1.1] {
+        let layers = Iridescence {
+            scale: scale as f32,
+            ..bronze
+        };
+        let cosines: Vec<f64> = (0..=40).map(|i| cosine(f64::from(2 * i))).collect();
+        let truth = stack_colors(&Stack::new(&layers), &cosines);
+        let luminance = |c: [f64; 3]| 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+        let brightest = truth[..=30]
+            .iter()
+            .map(|c| luminance(*c))
+            .fold(0.0, f64::max);
+        let seen = |c: [f64; 3]| lab(c.map(|x| x * 0.6 / brightest));
+        for (c, truth) in cosines.iter().zip(truth) {
+            let found = table.look(*c, scale).color;
+            list.push(delta_e_2000(seen(found), seen(in_gamut(truth))));
+        }
+    }
+    list.sort_by(f64::total_cmp);
+    let (mean, high) = (
+        list.iter().sum::<f64>() / list.len() as f64,
+        list[list.len() * 95 / 100],
+    );
+    println!("thickness between rows: mean {mean:.3}, 95 % {high:.3}");
+    assert!(mean <= 0.35 && high <= 1.0, "{mean} {high}");
+    // Beyond the range the ends hold, and one row serves every factor.
+    assert_eq!(table.look(0.7, 2.0), table.look(0.7, 1.1));
+    let single = StackTable::single(table.texels[..SCALED_TEXELS].to_vec());
+    assert_eq!(single.look(0.7, 0.6), single.look(0.7, 1.6));
+}
+
+#[test]
+fn maps_of_thickness_are_linear_and_hold_still() {
+    let map = ScaleMap {
+        columns: 2,
+        factors: vec![0.8, 1.0, 1.2, 1.4],
+    };
+    assert_eq!(map.size(), [2, 2]);
+    assert_eq!(map.range(), [0.8_f32, 1.4].map(f64::from));
+    for (uv, wanted) in [
+        ([0.0, 0.0], 0.8),
+        ([1.0, 0.0], 1.0),
+        ([0.5, 0.5], 1.1),
+        ([-3.0, 9.0], 1.2),
+    ] {
+        let found: f64 = map.at(uv);
+        assert!((found - wanted).abs() < 1e-6, "{uv:?}: {found}");
+    }
+    // What a file could not hold.
+    for (columns, factors) in [
+        (0, vec![]),
+        (7, vec![1.0; 3]),
+        (3, vec![f32::NAN; 7]),
+        (u32::MAX, vec![f32::INFINITY; 2]),
+    ] {
+        let odd = ScaleMap { columns, factors };
+        let found: f64 = odd.at([0.3, 0.9]);
+        assert!((0.6..=1.6).contains(&found), "{odd:?}: {found}");
+        let [low, high] = odd.range();
+        assert!(
+            (0.6..=1.6).contains(&low) && low <= high && high <= 1.6 + 1e-6,
+            "{odd:?}"
+        );
+    }
+}
+
 #[test]
 fn hostile_values_give_finite_tables() {
     let odd = [f32::NAN, f32::INFINITY, -1e30, 1e30];

@@ -1,10 +1,10 @@
 //! One feather: shape, vanes, color and optics.
 
-use super::{lobe_plot, pattern_editor};
+use super::{Swatch, lobe_plot, pattern_editor};
 use crate::{
     anatomy::Feather,
     inspector::fields::{Fields, number, row},
-    maths::scattering::Fibre,
+    maths::scattering::{Fibre, interference::Iridescence},
     parameter::Parameter,
 };
 use bevy_egui::egui;
@@ -64,6 +64,8 @@ pub struct FeatherPanel {
     pub right: bool,
     /// Inclination of the light's opposite, the eye, for the polar plot, in degrees.
     pub eye: f32,
+    /// Colors of the thin layers.
+    pub swatch: Swatch,
 }
 
 const EYE: Parameter = Parameter::degrees(-80.0, 80.0);
@@ -164,6 +166,35 @@ pub fn feather_panel(
         ui.label("Sheen");
         changed |= fields.edit(ui, "sheen", &mut feather.optics.sheen);
     });
+    section(ui, "Thin layers", feather.iridescence.is_some(), |ui| {
+        changed |= layers_editor(ui, fields, &mut panel.swatch, feather);
+    });
+    changed
+}
+
+/// The layers of barbules that shimmer, and their color over the angle.
+fn layers_editor(
+    ui: &mut egui::Ui,
+    fields: &Fields,
+    swatch: &mut Swatch,
+    feather: &mut Feather,
+) -> bool {
+    let mut changed = false;
+    let mut own = feather.iridescence.is_some();
+    if ui.checkbox(&mut own, "barbules shimmer").changed() {
+        feather.iridescence = own.then(Iridescence::default);
+        changed = true;
+    }
+    if let Some(layers) = &mut feather.iridescence {
+        swatch.draw(ui, layers);
+        changed |= fields.edit(ui, "iridescence", layers);
+    }
+    if let Some(map) = &feather.iridescence_scale {
+        let ([columns, rows], [low, high]) = (map.size(), map.range());
+        ui.label(format!(
+            "Thickness over the card: {columns} by {rows} factors, {low:.2} to {high:.2}"
+        ));
+    }
     changed
 }
 

@@ -3,6 +3,7 @@
 mod color;
 mod feather;
 mod groom;
+mod layers;
 mod lobes;
 mod quality;
 mod statistics;
@@ -11,6 +12,7 @@ mod toolbar;
 pub use color::pattern_editor;
 pub use feather::{FeatherPanel, Part, feather_panel};
 pub use groom::{GroomPanel, Tool, groom_panel, plumage_panel};
+pub use layers::Swatch;
 pub use lobes::lobe_plot;
 pub use quality::quality_panel;
 pub use statistics::{Sample, Statistics, statistics_panel};

@@ -11,5 +11,5 @@ mod tables;
 
 pub use albedo::{albedo_array, albedo_front, same_paint};
 pub use cards::{CARD_VEC4S, MAX_REGIONS, pack_cards};
-pub use stacks::{StackTables, find as find_stack};
+pub use stacks::{Layers, StackTables, find as find_stack, stack};
 pub use tables::{FEATHER_STRIDE, HEADER_LENGTH, TableCache, header, pack_feathers};

@@ -24,7 +24,7 @@
 #import bevy_plumage::scattering::fibre_energy_split
 #endif
 #ifdef IRIDESCENT
-#import bevy_plumage::feather_iridescence::{shimmer_let_in, shimmer_lobe, shimmer_mirror, shimmer_of, shimmer_roughness}
+#import bevy_plumage::feather_iridescence::{shimmer_let_in, shimmer_let_in_short, shimmer_lobe, shimmer_mirror, shimmer_of}
 #endif
 #ifdef SAMPLED_ENVIRONMENT
 #import bevy_plumage::feather_environment::sampled_environment
@@ -242,7 +242,15 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
     // The part of the sky that the feathers above leave open grows towards the tip.
     let open = 1.0 - settings.shelter * (1.0 - smoothstep(0.05, 0.8, in.uv.y));
     let reflected = reflect(-frame.eye, eye_side);
+#ifdef IRIDESCENT
+    // One look into the map for all mirrors of the vane: thin layers are the brightest.
+    let vane_barb = fibre_tangent(BARB, angles, covered.right, slope, shape.x);
+    let mirror = shimmer_mirror(base, vane_barb, angles);
+    let mirror_normal = mirror.x * frame.across + mirror.y * frame.along + mirror.z * frame.normal;
+    let around = light::environment(seen, eye_side, reflect(-frame.eye, mirror_normal), mirror.w);
+#else
     let around = light::environment(seen, eye_side, reflected, 0.6);
+#endif
     let behind = light::environment(seen, -eye_side, -frame.eye, 0.8);
 
     var sum = opacity * fuzz_albedo * tint * around.irradiance * open;
@@ -277,7 +285,14 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
 #ifdef PLAIN_FIBRES
             let eye = in_fibre(tangent, frame.hand, frame.local_eye);
             let frequency = select(0.0, shadowing.frequency, part == shadowing.lower);
+#ifdef IRIDESCENT
+            var shading = short_part(base, part, eye, single, shape.w, frequency);
+            let tipward = in_fibre(tangent, frame.hand, vec3(vane_barb, 0.0)).y;
+            let shimmer = shimmer_of(base, part, eye, tipward, painted, in.uv);
+            shading = shimmer_let_in_short(shading, shimmer);
+#else
             let shading = short_part(base, part, eye, single, shape.w, frequency);
+#endif
             let energies = short::short_energies(shading);
 #else
             let fibre = read_part(base, part, tangent, frame);
@@ -287,8 +302,8 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
             }
             var shading = fibre_shading(fibre.parameters, fibre.row, single, fibre.eye, shape.w, harmonics);
 #ifdef IRIDESCENT
-            let tipward = in_fibre(tangent, frame.hand, vec3(fibre_tangent(BARB, angles, covered.right, slope, shape.x), 0.0)).y;
-            let shimmer = shimmer_of(base, part, fibre.eye, tipward, painted);
+            let tipward = in_fibre(tangent, frame.hand, vec3(vane_barb, 0.0)).y;
+            let shimmer = shimmer_of(base, part, fibre.eye, tipward, painted, in.uv);
             shading = shimmer_let_in(shading, shimmer);
 #endif
             if (part == shadowing.lower) {
@@ -337,13 +352,7 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
                 let everywhere = 0.5 * (around.irradiance + behind.irradiance);
                 radiance += (indirect + again * everywhere) * open;
 #ifdef IRIDESCENT
-                if (shimmer.share > 0.0) {
-                    let m = shimmer_mirror(shimmer);
-                    let local = vec3(m.x * tangent + m.y * frame.hand * vec2(tangent.y, -tangent.x), m.z);
-                    let there = local.x * frame.across + local.y * frame.along + local.z * frame.normal;
-                    let mirrored = light::environment(seen, eye_side, there, shimmer_roughness(shimmer.facets));
-                    radiance += shimmer.energy * before.x * mirrored.radiance * open;
-                }
+                radiance += shimmer.energy * before.x * around.radiance * open;
 #endif
                 passed += weight;
             }
@@ -353,6 +362,9 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
                 let lobes = short::short_lobes(shading, in_fibre(tangent, frame.hand, there.xyz));
                 let reach = part_reach(shadowing, part_seen, rays[i], part, lobes.turn, false);
                 radiance += batch[i].color * (short::short_lit(shading, lobes, reach) + again * there.w);
+#ifdef IRIDESCENT
+                radiance += batch[i].color * reach.mirror * shimmer_lobe(shimmer, in_fibre(tangent, frame.hand, there.xyz + frame.local_eye));
+#endif
             }
 #else
             let place = near_of(part, near, angles, covered.right, tangent, fibre.eye, frame.hand);
@@ -372,7 +384,7 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
                     let reach = part_reach(shadowing, part_seen, light_ray(shadowing, there.xyz), part, lobes.turn, false);
                     radiance += batch[i].color * (fibre_lit(shading, lobes, reach) + again * there.w);
 #ifdef IRIDESCENT
-                    radiance += batch[i].color * reach.mirror * shimmer_lobe(shimmer, in_fibre(tangent, frame.hand, there.xyz));
+                    radiance += batch[i].color * reach.mirror * shimmer_lobe(shimmer, in_fibre(tangent, frame.hand, there.xyz + frame.local_eye));
 #endif
                 }
             }

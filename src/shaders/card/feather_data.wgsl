@@ -27,6 +27,18 @@ const MIRRORS: u32 = 41u;    // azimuthal roughness of barbs, where their mirror
 // After the header. Kept light: seen from front and back; of each of the four; from the eye's side and the other; level; azimuth.
 const KEPT: u32 = HEADER_LENGTH + RACHIS_SAMPLES + CONTOUR_SAMPLES + SHEEN_SAMPLES;
 
+// Thin layers: flatness, slope, how much of the stack the inner side has, texels of a row.
+const STACK_SIDE: u32 = 0u;
+// Sine and cosine of rise and tilt.
+const STACK_TURN: u32 = 1u;
+// Rows of texels that a factor of 2 on the thickness makes, binary logarithm of the first's factor, number of rows; a constant of
+// the side.
+const STACK_ROWS: u32 = 2u;
+// Of the map of factors: its place in the buffer, columns, rows; another constant.
+const STACK_MAP: u32 = 3u;
+// What an eye sees: energy, area; for every row. Behind that the rows: color, and reflectance of bare keratin.
+const STACK_SEEN: u32 = 4u;
+
 // Class of a card, indices of CARD_COUNTERS.
 const CARD_CULLED: u32 = 0u;
 const CARD_NEAR: u32 = 1u;

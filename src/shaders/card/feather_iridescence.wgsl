@@ -4,39 +4,62 @@
     feather_bindings::feather_at,
     feather_data as data,
     interference::{
-        FACET_NODES, Facets, facet_color, facet_evaluate, facet_half_way, facet_node, facet_turn, facet_view, in_gamut, stack_place,
+        Facets, SEEN_STEPS, facet_color, facet_evaluate, facet_half_way, facet_seen, facet_share, facet_side, facet_turn, in_gamut,
+        scale_mix, scale_place, seen_mix, seen_place, stack_row, stack_step,
     },
     scattering::FibreShading,
+    scattering_short::ShortShading,
 }
 
 // Barbules of either family; rachis and barbs have no layers.
 const FIRST_BARBULE: u32 = 2u;
 // Painted albedo up to which there is melanin for layers, and from which there is none.
 const DARK: vec2<f32> = vec2(0.05, 0.2);
+// Perceptual roughness of the prefiltered map that other feathers mirror.
+const PLAIN_ROUGHNESS: f32 = 0.6;
+
+// Texels of what an eye sees, for one thickness.
+const SEEN_TEXELS: u32 = SEEN_STEPS * SEEN_STEPS;
 
 struct Shimmer {
     // Share of the barbule's surface that has layers, 0..1.
     share: f32,
-    // Where the texels begin.
+    // Where the row's texels begin, how many there are, and how far the thickness lies towards the next row.
     table: u32,
+    texels: u32,
+    row: f32,
     facets: Facets,
     // Sine and cosine.
     rise: vec2<f32>,
     lean: vec2<f32>,
-    // To the eye, in the side's frame.
-    eye: vec3<f32>,
     area: f32,
     energy: vec3<f32>,
 }
 
-fn stack_color(table: u32, cosine: f32) -> vec3<f32> {
-    let place = stack_place(cosine);
-    let at = table + place.index;
-    return in_gamut(mix(feather_at(at).rgb, feather_at(at + 1u).rgb, place.fraction));
+// Color at a cosine of incidence, and what bare keratin reflects. Behind the last row lies something else, of which nothing is taken.
+fn shimmer_look(s: Shimmer, cosine: f32) -> vec4<f32> {
+    let place = stack_step(cosine, s.texels);
+    let at = s.table + place.index;
+    let low = mix(feather_at(at), feather_at(at + 1u), place.fraction);
+    let high = mix(feather_at(at + s.texels), feather_at(at + s.texels + 1u), place.fraction);
+    let look = mix(low, high, s.row);
+    return vec4(in_gamut(look.rgb), look.w);
 }
 
-// `eye`: in the fibre's frame; `tipward`: the part of the barb's direction across the fibre there; `albedo`: as painted.
-fn shimmer_of(base: u32, part: u32, eye: vec3<f32>, tipward: f32, albedo: vec3<f32>) -> Shimmer {
+// Of the table of what eyes see, the mean of the four texels around a place.
+fn shimmer_seen(at: u32, fraction: vec2<f32>) -> vec4<f32> {
+    return seen_mix(feather_at(at), feather_at(at + 1u), feather_at(at + SEEN_STEPS), feather_at(at + SEEN_STEPS + 1u), fraction);
+}
+
+// Factor on the thickness of the layers at a point of the card.
+fn shimmer_scale(map: vec4<f32>, uv: vec2<f32>) -> f32 {
+    let place = scale_place(vec2<u32>(map.yz), uv);
+    return scale_mix(feather_at(u32(map.x) + place.index), place.fraction);
+}
+
+// `eye`: in the fibre's frame; `tipward`: the part of the barb's direction across the fibre there; `albedo`: as painted; `uv`: on the
+// card.
+fn shimmer_of(base: u32, part: u32, eye: vec3<f32>, tipward: f32, albedo: vec3<f32>, uv: vec2<f32>) -> Shimmer {
     var s: Shimmer;
     let at = u32(feather_at(base + data::SHEEN).z);
     s.share = 1.0 - smoothstep(DARK.x, DARK.y, max(albedo.x, max(albedo.y, albedo.z)));
@@ -44,55 +67,89 @@ fn shimmer_of(base: u32, part: u32, eye: vec3<f32>, tipward: f32, albedo: vec3<f
         s.share = 0.0;
         return s;
     }
-    let side = feather_at(at);
-    let turn = feather_at(at + 1u);
-    s.table = at + 2u;
+    let side = feather_at(at + data::STACK_SIDE);
+    let turn = feather_at(at + data::STACK_TURN);
+    let rows = feather_at(at + data::STACK_ROWS);
+    let map = feather_at(at + data::STACK_MAP);
+    s.texels = u32(side.w);
+    s.table = at + data::STACK_SEEN + u32(rows.z) * SEEN_TEXELS;
+    var seen_at = at + data::STACK_SEEN;
+    if (rows.z > 1.0) {
+        let row = stack_row(shimmer_scale(map, uv), rows.x, rows.y, u32(rows.z));
+        seen_at += row.index * SEEN_TEXELS;
+        s.table += row.index * s.texels;
+        s.row = row.fraction;
+    }
     s.facets = Facets(side.x, side.y, side.z);
     s.rise = turn.xy;
     s.lean = vec2(select(-turn.z, turn.z, tipward >= 0.0), turn.w);
-    s.eye = facet_turn(eye, s.rise, s.lean);
-    let view = facet_view(s.facets, s.eye);
-    for (var node = 0u; node < FACET_NODES; node++) {
-        let found = facet_node(s.facets, view, node);
-        s.area += found.y;
-        s.energy += found.y * facet_color(s.facets, stack_color(s.table, found.x), found.x, found.z);
+    let place = seen_place(s.facets, vec2(rows.w, map.w), facet_turn(eye, s.rise, s.lean));
+    var texel = shimmer_seen(seen_at + place.index, place.fraction);
+    if (s.row > 0.0) {
+        texel = mix(texel, shimmer_seen(seen_at + SEEN_TEXELS + place.index, place.fraction), s.row);
     }
-    s.area = max(s.area, 1e-6);
-    s.energy = s.share * clamp(s.energy / s.area, vec3(0.0), vec3(1.0));
+    let seen = facet_seen(texel, place);
+    s.area = seen.area;
+    s.energy = seen.energy;
+    if (s.facets.back < 1.0) {
+        s.energy = facet_color(vec4(s.energy, shimmer_look(s, place.facing).w), facet_share(s.facets, place.outer));
+    }
+    s.energy = s.share * clamp(s.energy, vec3(0.0), vec3(1.0));
     return s;
+}
+
+// What enters below the layers, of what entered without them: `surface` is the reflection that gives way.
+fn shimmer_entering(shimmer: Shimmer, surface: f32) -> vec3<f32> {
+    let left = 1.0 - surface * (1.0 - shimmer.share);
+    return max(vec3(left) - shimmer.energy, vec3(0.0)) / max(1.0 - surface, 1e-3);
 }
 
 // What the layers reflect does not enter, and where they are the surface has no other reflection.
 fn shimmer_let_in(shading: FibreShading, shimmer: Shimmer) -> FibreShading {
     var s = shading;
+    let entering = shimmer_entering(shimmer, shading.energy_surface);
     s.energy_surface *= 1.0 - shimmer.share;
-    let entering = max(vec3(1.0 - s.energy_surface) - shimmer.energy, vec3(0.0)) / max(1.0 - shading.energy_surface, 1e-3);
     s.energy_through *= entering;
     s.energy_inner *= entering;
     s.energy_fourth *= entering;
     return s;
 }
 
-// K of the layers for light from `omega_i`, in the fibre's frame.
-fn shimmer_lobe(shimmer: Shimmer, omega_i: vec3<f32>) -> vec3<f32> {
+// The same for the short form of a fibre.
+fn shimmer_let_in_short(shading: ShortShading, shimmer: Shimmer) -> ShortShading {
+    var s = shading;
+    let entering = shimmer_entering(shimmer, shading.energy.x);
+    let rest = 1.0 - shimmer.share;
+    s.energy.x *= rest;
+    s.surface[0] *= rest;
+    s.surface[1] *= rest;
+    s.second *= entering;
+    s.scattered *= entering;
+    return s;
+}
+
+// K of the layers; `sum`: of the directions to the eye and to the light, in the fibre's frame.
+fn shimmer_lobe(shimmer: Shimmer, sum: vec3<f32>) -> vec3<f32> {
     if (shimmer.share <= 0.0) {
         return vec3(0.0);
     }
-    let half_way = facet_half_way(shimmer.eye, facet_turn(omega_i, shimmer.rise, shimmer.lean));
-    let color = facet_color(shimmer.facets, stack_color(shimmer.table, half_way.w), half_way.w, half_way.z);
+    let half_way = facet_half_way(facet_turn(sum, shimmer.rise, shimmer.lean));
+    let color = facet_color(shimmer_look(shimmer, half_way.w), facet_side(shimmer.facets, half_way.z));
     return shimmer.share * facet_evaluate(shimmer.facets, shimmer.area, half_way) * color;
 }
 
-// Where the middle of the side mirrors the eye, in the fibre's frame.
-fn shimmer_mirror(shimmer: Shimmer) -> vec3<f32> {
-    let m = vec3(-shimmer.eye.x, -shimmer.eye.y, shimmer.eye.z);
-    // The turn backwards: first the lean, then the rise.
-    let up = m.z * shimmer.lean.y - m.y * shimmer.lean.x;
-    let across = m.y * shimmer.lean.y + m.z * shimmer.lean.x;
-    return vec3(m.x * shimmer.rise.y - up * shimmer.rise.x, across, up * shimmer.rise.y + m.x * shimmer.rise.x);
-}
-
-// Perceptual roughness of a prefiltered map as wide as the lobe.
-fn shimmer_roughness(facets: Facets) -> f32 {
-    return min(sqrt(length(vec2(0.58 * facets.flatness, facets.slope))), 1.0);
+// The mirror of a vane, for the prefiltered map: mean normal of the sides of both families, in the card, and perceptual roughness.
+// `barb`: direction of the barbs, `angles`: of data::LEFT_VANE.
+fn shimmer_mirror(base: u32, barb: vec2<f32>, angles: vec4<f32>) -> vec4<f32> {
+    let at = u32(feather_at(base + data::SHEEN).z);
+    if (at == 0u) {
+        return vec4(0.0, 0.0, 1.0, PLAIN_ROUGHNESS);
+    }
+    let side = feather_at(at + data::STACK_SIDE);
+    let turn = feather_at(at + data::STACK_TURN);
+    // Both families lean to the tip of the barb and rise along themselves; what they do across it cancels.
+    let lean = turn.z * angles.z - turn.x * turn.w * angles.w;
+    let normal = normalize(vec3(lean * barb, turn.y * turn.w));
+    // As wide as the lobe: half of the light of an ellipse lies within atan(0.58 a) on either side.
+    return vec4(normal, min(sqrt(length(vec2(0.58 * side.x, side.y))), 1.0));
 }

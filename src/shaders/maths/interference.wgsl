@@ -1,16 +1,12 @@
-// The lobe of barbules with thin layers, and the lookup of their color: the twin of src/maths/scattering/interference/{facet,table}.rs,
-// same names. Directions are in the frame of the side that mirrors (`facet_turn`).
+// The lobe of barbules with thin layers, and the lookup of their color: the twin of
+// src/maths/scattering/interference/{facet,seen,table,scale}.rs, same names. Directions are in the frame of the side that mirrors (`facet_turn`).
 #define_import_path bevy_plumage::interference
-#import bevy_plumage::math::{error_function, smooth_step}
-#import bevy_plumage::scattering::{SCATTERING_PI, fibre_acos, fresnel}
+#import bevy_plumage::math::smooth_step
+#import bevy_plumage::scattering::{SCATTERING_PI, fibre_acos}
 
-// Texels of a stack's table, even steps in the cosine of incidence.
-const STACK_TEXELS: u32 = 64u;
-// Nodes of the mean over the facets that an eye sees.
-const FACET_NODES: u32 = 8u;
-const FACET_BARE: f32 = 1.55;
 const FACET_EDGE: f32 = 0.1;
-const FACET_BRIGHT: f32 = 0.667;
+// Steps of the table of what an eye sees, in either direction.
+const SEEN_STEPS: u32 = 16u;
 
 struct Facets {
     flatness: f32,
@@ -20,22 +16,57 @@ struct Facets {
 }
 
 struct FacetView {
+    // Of the parametric angle of the ellipse where its normal looks at the eye: sine and cosine.
     turn: vec2<f32>,
     width: f32,
-    seen: f32,
-    deviation: f32,
 }
 
-// Texel below a cosine of incidence, and how far the cosine lies towards the next.
+struct FacetSeen {
+    energy: vec3<f32>,
+    area: f32,
+}
+
+// The first of two neighbours in a list, and how far a place lies towards the second.
 struct StackPlace {
     index: u32,
     fraction: f32,
 }
 
-fn stack_place(cosine: f32) -> StackPlace {
-    let place = clamp(cosine, 0.0, 1.0) * f32(STACK_TEXELS - 1u);
-    let low = min(u32(place), STACK_TEXELS - 2u);
-    return StackPlace(low, place - f32(low));
+struct SeenPlace {
+    index: u32,
+    fraction: vec2<f32>,
+    area: f32,
+    outer: f32,
+    facing: f32,
+}
+
+struct ScalePlace {
+    index: u32,
+    fraction: vec2<f32>,
+}
+
+// `place` 0..1 among `count` values in even steps.
+fn stack_step(place: f32, count: u32) -> StackPlace {
+    let at = clamp(place, 0.0, 1.0) * f32(count - 1u);
+    let low = min(u32(at), max(count, 2u) - 2u);
+    return StackPlace(low, at - f32(low));
+}
+
+// Row of a table for a factor on the thickness; `per_octave`: rows that a factor of 2 makes, `low`: binary logarithm of the first's.
+fn stack_row(scale: f32, per_octave: f32, low: f32, rows: u32) -> StackPlace {
+    return stack_step((log2(scale) - low) * per_octave / f32(max(rows, 2u) - 1u), rows);
+}
+
+// Of the four factors around a point of the card the first, row after row of one less than `size`, and how far it lies from it.
+fn scale_place(size: vec2<u32>, uv: vec2<f32>) -> ScalePlace {
+    let column = stack_step(uv.x, size.x);
+    let row = stack_step(uv.y, size.y);
+    return ScalePlace(row.index * max(size.x - 1u, 1u) + column.index, vec2<f32>(column.fraction, row.fraction));
+}
+
+fn scale_mix(quad: vec4<f32>, fraction: vec2<f32>) -> f32 {
+    let rows = mix(quad.xz, quad.yw, fraction.x);
+    return mix(rows.x, rows.y, fraction.y);
 }
 
 // Brings linear sRGB with negative channels into gamut, luminance kept.
@@ -65,15 +96,19 @@ fn facet_density(facets: Facets, normal: vec3<f32>) -> f32 {
     return 0.5 * a2 / (hit * sqrt(hit)) * slope * inverseSqrt(across);
 }
 
-// Mean of the absolute value of a normal variable.
-fn mean_absolute(mean: f32, deviation: f32) -> f32 {
-    let z = mean / max(deviation, 1e-6) * 0.7071067812;
-    return mean * error_function(z) + 0.7978845608 * deviation * exp(-z * z);
+// How much of the stack facets have of whose light the share `outer` comes from the outer side.
+fn facet_share(facets: Facets, outer: f32) -> f32 {
+    return mix(facets.back, 1.0, outer);
 }
 
-fn facet_color(facets: Facets, color: vec3<f32>, cosine: f32, side: f32) -> vec3<f32> {
-    let share = mix(facets.back, 1.0, smooth_step(-FACET_EDGE, FACET_EDGE, side));
-    return mix(vec3<f32>(fresnel(cosine, FACET_BARE)), color, share);
+// The share of a facet whose normal has this z.
+fn facet_side(facets: Facets, side: f32) -> f32 {
+    return facet_share(facets, smooth_step(-FACET_EDGE, FACET_EDGE, side));
+}
+
+// `look`: color of the stack, and the reflectance of bare keratin.
+fn facet_color(look: vec4<f32>, share: f32) -> vec3<f32> {
+    return mix(vec3<f32>(look.w), look.rgb, share);
 }
 
 fn facet_azimuth(omega: vec3<f32>) -> vec2<f32> {
@@ -84,12 +119,40 @@ fn facet_azimuth(omega: vec3<f32>) -> vec2<f32> {
 fn facet_view(facets: Facets, omega_o: vec3<f32>) -> FacetView {
     let o = facet_azimuth(omega_o) * vec2<f32>(facets.flatness, 1.0);
     let width = max(length(o), 1e-6);
-    return FacetView(
-        o / width,
-        width,
-        exp(-0.5 * facets.slope * facets.slope) * width * length(omega_o.yz),
-        facets.slope * abs(omega_o.x),
+    return FacetView(o / width, width);
+}
+
+// Area of the facets in the eye's projection, nearly; `constants` of the side (facet_constants in Rust).
+fn facet_area(constants: vec2<f32>, width: f32, across: f32, along: f32) -> f32 {
+    let seen = width * across;
+    return max(sqrt(seen * seen * constants.x + constants.y * along * along), 1e-6);
+}
+
+// Place of an eye in the table of what it sees.
+fn seen_place(facets: Facets, constants: vec2<f32>, omega_o: vec3<f32>) -> SeenPlace {
+    let view = facet_view(facets, omega_o);
+    let along = min(abs(omega_o.x), 1.0);
+    let across = sqrt(max(1.0 - along * along, 0.0));
+    let share = (view.width - facets.flatness) / max(1.0 - facets.flatness, 1e-3);
+    let column = stack_step(sqrt(clamp(share, 0.0, 1.0)), SEEN_STEPS);
+    let level = stack_step(sqrt(max(fibre_acos(along) * (2.0 / SCATTERING_PI), 0.0)), SEEN_STEPS);
+    return SeenPlace(
+        level.index * SEEN_STEPS + column.index,
+        vec2<f32>(column.fraction, level.fraction),
+        facet_area(constants, view.width, across, along),
+        0.5 + 0.5 * view.turn.y,
+        min(view.width * across, 1.0),
     );
+}
+
+// The texel between four: at a place, one step on, one level on, both.
+fn seen_mix(low: vec4<f32>, next: vec4<f32>, above: vec4<f32>, last: vec4<f32>, fraction: vec2<f32>) -> vec4<f32> {
+    return mix(mix(low, next, fraction.x), mix(above, last, fraction.x), fraction.y);
+}
+
+// What an eye sees, of its texel.
+fn facet_seen(texel: vec4<f32>, place: SeenPlace) -> FacetSeen {
+    return FacetSeen(texel.rgb, texel.w * place.area);
 }
 
 // The normal (y, z) of the ellipse at a parametric angle from the one that looks at the eye.
@@ -100,27 +163,8 @@ fn facet_normal(facets: Facets, view: FacetView, sine: f32, cosine: f32) -> vec2
     );
 }
 
-// Mean cosine, area in the eye's projection and z of the normal of a node.
-fn facet_node(facets: Facets, view: FacetView, node: u32) -> vec3<f32> {
-    var nodes = array<vec3<f32>, 4>(
-        vec3<f32>(0.2841679239, 0.9587745256, 0.2848511774),
-        vec3<f32>(0.7348899388, 0.6781863888, 0.2463846235),
-        vec3<f32>(0.9494253843, 0.3139927382, 0.1746576560),
-        vec3<f32>(0.9980552139, 0.0623361060, 0.0795047065),
-    );
-    let n = nodes[node / 2u];
-    let normal = facet_normal(facets, view, select(n.x, -n.x, (node & 1u) == 1u), n.y);
-    let size = max(length(normal), 1e-6);
-    let mean = view.seen * n.y / size;
-    let facing = max(mean_absolute(mean, view.deviation), 1e-6);
-    let bright = (mean * mean + view.deviation * view.deviation) / facing;
-    let cosine = mix(facing, bright, FACET_BRIGHT);
-    return vec3<f32>(min(cosine, 1.0), n.z * size * facing, normal.y / size);
-}
-
-// Normal of the facets that mirror the light into the eye, and the cosine of incidence on them.
-fn facet_half_way(omega_o: vec3<f32>, omega_i: vec3<f32>) -> vec4<f32> {
-    let sum = omega_o + omega_i;
+// Normal of the facets that mirror the light into the eye, and the cosine of incidence on them; `sum`: of both directions.
+fn facet_half_way(sum: vec3<f32>) -> vec4<f32> {
     let size = length(sum);
     return vec4<f32>(sum / max(size, 1e-6), 0.5 * size);
 }
@@ -150,6 +194,6 @@ fn facet_sample(facets: Facets, view: FacetView, omega_o: vec3<f32>, u: vec3<f32
     let normal = vec3<f32>(sin(slope), cos(slope) / max(length(around), 1e-6) * around);
     // Where a facet looks away, the one across from it is as likely, and is seen.
     let direction = 2.0 * dot(normal, omega_o) * normal - omega_o;
-    let pdf = facet_pdf(facets, view, omega_o, facet_half_way(omega_o, direction));
+    let pdf = facet_pdf(facets, view, omega_o, facet_half_way(omega_o + direction));
     return vec4<f32>(direction, select(0.0, pdf, cos(slope) > 0.0 && pdf > 1e-9));
 }

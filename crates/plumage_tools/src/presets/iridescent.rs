@@ -4,24 +4,24 @@
 
 use super::profiles::*;
 use super::template::*;
-use bevy_plumage::anatomy::Feather;
-use bevy_plumage::maths::scattering::Sheen;
+use bevy_plumage::anatomy::{Feather, Spline};
+use bevy_plumage::maths::scattering::{Sheen, interference::ScaleMap};
 use plumage_tests::shipped;
 
 /// Melanin under the layers.
 const DARK: u32 = 0x241E1A;
 
-/// Widest just below the end, then round: the eye at the end of a train feather.
+/// Long loose barbs on either side, round the eye a fan.
 const EYE: Profile = Profile::new(
     &[
-        (0.0, 0.2),
-        (0.3, 0.42),
-        (0.62, 0.62),
-        (0.82, 1.0),
-        (1.0, 0.95),
+        (0.0, 0.5),
+        (0.2, 0.8),
+        (0.5, 0.98),
+        (0.75, 1.0),
+        (1.0, 0.92),
     ],
-    0.8,
-    (2.2, 2.0),
+    0.7,
+    (2.3, 2.0),
 );
 
 fn shimmer(template: &Template, stack: &str) -> Feather {
@@ -33,6 +33,70 @@ fn shimmer(template: &Template, stack: &str) -> Feather {
         ..feather.optics.sheen
     };
     feather
+}
+
+/// One zone of a peacock's eye: an ellipse about the shaft and the thickness of the layers inside.
+struct Ring {
+    /// Half axes across and along, mm.
+    half: [f32; 2],
+    /// Middle above that of the eye, mm.
+    above: f32,
+    /// Factor on the thickness.
+    scale: f32,
+}
+
+const fn ring(half: [f32; 2], above: f32, scale: f32) -> Ring {
+    Ring { half, above, scale }
+}
+
+/// From the outermost to the pupil; sizes of an eye of 45 mm, thicknesses so that the colors come out.
+const RINGS: [Ring; 6] = [
+    ring([31.0, 33.0], 4.0, 1.02),
+    ring([28.0, 30.0], 4.0, 1.08),
+    ring([25.0, 27.0], 3.5, 1.0),
+    ring([22.0, 23.5], 3.0, 1.2),
+    ring([13.5, 14.5], 0.5, 0.955),
+    ring([8.5, 9.5], -2.5, 0.84),
+];
+/// Beyond all rings.
+const LOOSE: f32 = 1.08;
+/// Height, in lengths, up to which the barbules do not hook.
+const LOOSE_BELOW: f32 = 0.56;
+/// Over this distance one zone becomes the next, mm.
+const SOFT_EDGE: f32 = 1.6;
+/// Depth and width of the pupil's notch on the side of the shaft's root, as shares of its half axes.
+const NOTCH: [f32; 2] = [0.45, 0.4];
+/// Middle of the eye below the tip, mm.
+const EYE_BELOW_TIP: f32 = 45.0;
+
+/// Thickness of the layers at a point, mm from the middle of the eye.
+fn eye_scale(x: f32, y: f32) -> f32 {
+    RINGS.iter().enumerate().fold(LOOSE, |scale, (i, ring)| {
+        let place = [x / ring.half[0], (y - ring.above) / ring.half[1]];
+        let mut r = place[0].hypot(place[1]);
+        if i + 1 == RINGS.len() && place[1] < 0.0 {
+            r += NOTCH[0] * (-(place[0] / NOTCH[1]).powi(2)).exp();
+        }
+        let inside = (0.5 - (r - 1.0) * ring.half[0] / SOFT_EDGE).clamp(0.0, 1.0);
+        scale + (ring.scale - scale) * inside
+    })
+}
+
+/// The rings over the card of a feather.
+fn eye_rings(feather: &Feather) -> ScaleMap {
+    let [columns, rows] = [44, 64];
+    let shaft = Spline::new(&feather.rachis.curve);
+    let factor = |i: usize| {
+        let u = (i % columns) as f32 / (columns - 1) as f32;
+        let v = (i / columns) as f32 / (rows - 1) as f32;
+        let x = (u - shaft.at(f64::from(v)).0 as f32) * feather.aspect * feather.length_mm;
+        let y = v * feather.length_mm - (feather.length_mm - EYE_BELOW_TIP);
+        (eye_scale(x, y) * 1000.0).round() / 1000.0
+    };
+    ScaleMap {
+        columns: columns as u32,
+        factors: (0..columns * rows).map(factor).collect(),
+    }
 }
 
 /// Four feathers.
@@ -69,30 +133,25 @@ pub(super) fn all() -> Vec<Feather> {
     };
     let eye = Template {
         name: "peacock_eye",
-        length_mm: 230.0,
-        width_mm: 78.0,
-        bend: 0.03,
+        length_mm: 170.0,
+        width_mm: 92.0,
+        bend: 0.02,
         start: 0.02,
         left: EYE,
         right: EYE,
         micro: Micro {
-            pitch: [0.95; 2],
-            angle: [38.0; 2],
-            ramus: 90.0,
+            pitch: [1.4; 2],
+            angle: [40.0; 2],
+            ramus: 110.0,
             spacing: [34.0, 36.0],
             barbule_angle: [52.0, 50.0],
             radius: [10.5, 10.0],
-            shaft: [2.0, 1.1, 0.3],
+            shaft: [1.8, 1.0, 0.2],
             downy: 0.0,
         },
-        fringe: 0.3,
-        gaps: gaps(5, 0.006, 0.3, 72),
-        albedo: both(stops(&[
-            (0.0, 0xB5A58C, 0.0),
-            (0.08, 0x4A3C2C, 0.0),
-            (0.16, DARK, 0.0),
-            (1.0, DARK, 0.0),
-        ])),
+        fringe: 0.45,
+        gaps: gaps(48, 0.005, 0.5, 72),
+        albedo: both(stops(&[(0.0, DARK, 0.0), (1.0, DARK, 0.0)])),
         ..neck.clone()
     };
     let speculum = Template {
@@ -154,8 +213,14 @@ pub(super) fn all() -> Vec<Feather> {
         ])),
         ..neck.clone()
     };
+    let mut eye = shimmer(&eye, "peacock_green");
+    // Below the eye nothing hooks.
+    for vane in [&mut eye.left, &mut eye.right] {
+        vane.downy = LOOSE_BELOW;
+    }
+    eye.iridescence_scale = Some(eye_rings(&eye));
     vec![
-        shimmer(&eye, "peacock_green"),
+        eye,
         shimmer(&speculum, "mallard_speculum"),
         shimmer(&neck, "pigeon_green"),
         shimmer(&gorget, "anna_gorget"),

@@ -1,22 +1,13 @@
 //! The lobe of a side that mirrors: facets about a flat section (docs/book/iridescence.md#lobe). Twin of `interference.wgsl`.
 
-use super::super::{FibreShading, fresnel};
-use super::StackTable;
+use super::super::FibreShading;
+use super::{SeenTable, StackLook, StackTable};
 use crate::maths::functions::{Real, clamp, error_function, real, smooth_step};
 use crate::maths::vector::dot;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-/// Sine, cosine and weight of the nodes of a Gauss-Legendre rule over half a turn, one side; the weights of both sum to pi/2.
-const NODES: [[f64; 3]; 4] = [
-    [0.2841679239, 0.9587745256, 0.2848511774],
-    [0.7348899388, 0.6781863888, 0.2463846235],
-    [0.9494253843, 0.3139927382, 0.1746576560],
-    [0.9980552139, 0.0623361060, 0.0795047065],
-];
 /// sqrt(2/pi).
 const MEAN_DEVIATION: f64 = 0.797_884_560_802_865_4;
-/// Refractive index of an inner side without layers.
-const BARE: f64 = 1.55;
 /// How far the cosine at which a node's color is taken lies towards that of the light that leaves (docs/book/iridescence.md#lobe).
 const BRIGHT: f64 = 0.667;
 /// How far past the edge both sides mix, in the z of the facet's normal.
@@ -44,6 +35,8 @@ pub struct FacetEye<T> {
     pub area: T,
     /// Share of light that the facets reflect, linear RGB, 0..1: the albedo of the lobe.
     pub energy: [T; 3],
+    /// Factor on the thickness of the stack.
+    pub scale: T,
 }
 
 /// A sampled direction of the light.
@@ -83,12 +76,14 @@ fn mean_absolute<T: Real>(mean: T, deviation: T) -> T {
     mean * error_function(z) + real::<T>(MEAN_DEVIATION) * deviation * (-z * z).exp()
 }
 
-/// Color of a facet: the stack's `color`, or on the inner side as much of it as there is; `side`: z of the facet's normal.
-pub fn facet_color<T: Real>(facets: &Facets<T>, color: [T; 3], cosine: T, side: T) -> [T; 3] {
-    let outer = smooth_step(real(-EDGE), real(EDGE), side);
-    let share = facets.back + (T::one() - facets.back) * outer;
-    let bare = fresnel(cosine, real(BARE));
-    color.map(|c| bare + (c - bare) * share)
+/// How much of the stack facets have of whose light the share `outer` comes from the outer side.
+pub fn facet_share<T: Real>(facets: &Facets<T>, outer: T) -> T {
+    facets.back + (T::one() - facets.back) * outer
+}
+
+/// Color of facets that have this share of the stack; the rest is bare keratin.
+pub fn facet_color<T: Real>(look: &StackLook<T>, share: T) -> [T; 3] {
+    look.color.map(|c| look.bare + (c - look.bare) * share)
 }
 
 /// Unit azimuth (y, z) of a direction.
@@ -129,14 +124,9 @@ pub fn facet_view<T: Real>(facets: &Facets<T>, omega_o: [T; 3]) -> FacetView<T> 
     }
 }
 
-/// One of the eight nodes of the mean over the facets that an eye sees: their mean cosine, their area in the eye's projection, and the
-/// z of their normal.
-pub fn facet_node<T: Real>(facets: &Facets<T>, view: &FacetView<T>, node: usize) -> [T; 3] {
-    let [sin, cos, weight] = NODES[node / 2];
-    let (sin, cos) = (
-        real::<T>(if node.is_multiple_of(2) { sin } else { -sin }),
-        real::<T>(cos),
-    );
+/// Facets at a parametric angle (sine, cosine) from the one that looks at the eye: their mean cosine, and their area in the eye's
+/// projection for an angle of 1.
+pub fn facet_node<T: Real>(facets: &Facets<T>, view: &FacetView<T>, (sin, cos): (T, T)) -> [T; 2] {
     let [y, z] = facet_normal(facets, view, sin, cos);
     let size = (sq(y) + sq(z)).sqrt().max(real(1e-6));
     let mean = view.seen * cos / size;
@@ -144,11 +134,7 @@ pub fn facet_node<T: Real>(facets: &Facets<T>, view: &FacetView<T>, node: usize)
     // Between the mean over the facets and that over the light that leaves them: reflectance is steep at grazing incidence.
     let bright = (sq(mean) + sq(view.deviation)) / facing;
     let cosine = facing + (bright - facing) * real(BRIGHT);
-    [
-        cosine.min(T::one()),
-        real::<T>(weight) * size * facing,
-        z / size,
-    ]
+    [cosine.min(T::one()), size * facing]
 }
 
 /// The normal (y, z) of the ellipse at a parametric angle from the one that looks at the eye; not of unit length.
@@ -160,23 +146,29 @@ fn facet_normal<T: Real>(facets: &Facets<T>, view: &FacetView<T>, sin: T, cos: T
     ]
 }
 
-/// Prepares a side for the lights of one pixel; `omega_o` to the eye, in the side's frame.
-pub fn facet_eye<T: Real>(facets: &Facets<T>, table: &StackTable, omega_o: [T; 3]) -> FacetEye<T> {
-    let view = facet_view(facets, omega_o);
-    let mut area = T::zero();
-    let mut energy = [T::zero(); 3];
-    for node in 0..2 * NODES.len() {
-        let [cosine, part, side] = facet_node(facets, &view, node);
-        area = area + part;
-        let color = facet_color(facets, table.color(cosine), cosine, side);
-        energy = std::array::from_fn(|c| energy[c] + part * color[c]);
+/// Prepares a side for the lights of one pixel; `omega_o` to the eye, in the side's frame, `scale`: factor on the stack's thickness.
+pub fn facet_eye<T: Real>(
+    facets: &Facets<T>,
+    seen: &SeenTable,
+    table: &StackTable,
+    scale: T,
+    omega_o: [T; 3],
+) -> FacetEye<T> {
+    let seen = seen.seen(facets, table.row(scale), omega_o);
+    let mut energy = seen.energy;
+    if facets.back < T::one() {
+        let look = StackLook {
+            color: energy,
+            ..table.look(seen.facing, scale)
+        };
+        energy = facet_color(&look, facet_share(facets, seen.outer));
     }
-    let area = area.max(real(1e-6));
     FacetEye {
         facets: *facets,
         omega: omega_o,
-        area,
-        energy: energy.map(|e| clamp(e / area, T::zero(), T::one())),
+        area: seen.area,
+        energy: energy.map(|e| clamp(e, T::zero(), T::one())),
+        scale,
     }
 }
 
@@ -195,7 +187,9 @@ pub fn facet_evaluate<T: Real>(eye: &FacetEye<T>, table: &StackTable, omega_i: [
         return [T::zero(); 3];
     }
     let density = facet_density(&eye.facets, normal) / (real::<T>(4.0) * eye.area);
-    facet_color(&eye.facets, table.color(cosine), cosine, normal[2]).map(|c| c * density)
+    let outer = smooth_step(real(-EDGE), real(EDGE), normal[2]);
+    let look = table.look(cosine, eye.scale);
+    facet_color(&look, facet_share(&eye.facets, outer)).map(|c| c * density)
 }
 
 /// What the stack reflects does not enter: the fibre's own surface reflection gives way to the facets, and its other lobes get what they

@@ -7,6 +7,8 @@
 mod complex;
 mod facet;
 mod observer;
+mod scale;
+mod seen;
 mod stack;
 mod structure;
 mod table;
@@ -15,10 +17,18 @@ mod transfer;
 pub use complex::Complex;
 pub use facet::{
     FacetEye, FacetSample, FacetView, Facets, facet_color, facet_density, facet_evaluate,
-    facet_eye, facet_let_in, facet_node, facet_pdf, facet_sample, facet_turn, facet_view,
+    facet_eye, facet_let_in, facet_node, facet_pdf, facet_sample, facet_share, facet_turn,
+    facet_view,
 };
 pub use observer::{FIRST_WAVELENGTH, WAVELENGTH_STEP, WAVELENGTHS, rgb_weights, wavelengths};
+pub use scale::{ScaleMap, ScalePlace, scale_mix, scale_place};
+pub use seen::{
+    FacetSeen, SEEN_STEPS, SeenPlace, SeenTable, facet_area, facet_constants, seen_place,
+};
 pub use stack::{Layer, MIXING, Material, REALIZATIONS, Stack, keratin_index, melanin_index};
 pub use structure::{Base, Iridescence, Structure};
-pub use table::{STACK_TEXELS, StackTable, in_gamut, stack_colors, stack_reflectance};
+pub use table::{
+    SCALE_RATIO, SCALED_TEXELS, STACK_TEXELS, StackLook, StackTable, bare, in_gamut, scale_rows,
+    scaled_row, stack_colors, stack_reflectance,
+};
 pub use transfer::{Film, Flow, Polarization, film_flow};

@@ -121,6 +121,7 @@ fn feather_name(key: &FeatherPipelineKey, pass: &PassKey) -> String {
             (key.sampled_environment, ", sampled environment"),
             (key.lights_together, ", lights together"),
             (key.debug, ", debug views"),
+            (key.iridescent, ", thin layers"),
             (
                 matches!(key.drawn, DrawnCards::Far | DrawnCards::Mean) && !key.plain,
                 ", any fibre",
@@ -166,8 +167,11 @@ fn is_usual(key: &FeatherPipelineKey, pass: &PassKey) -> bool {
             ..
         }
     );
-    let optional = key.sampled_environment != (key.lights_together && key.plain);
-    let default = !key.sampled_environment && !key.lights_together;
+    let optional = key.sampled_environment != (key.lights_together && key.plain) && !key.iridescent;
+    // Thin layers: the three classes without a prepass.
+    let default = !key.sampled_environment
+        && !key.lights_together
+        && (!key.iridescent || !(prepared || key.ordered));
     // Of fibres that are not plain one line tells.
     let after = matches!(
         pass,
