@@ -41,8 +41,9 @@ pub fn atlas(bird: &Bird, width: usize, mut done: impl FnMut(f32, &str)) -> Resu
     if count == 0 {
         return Err("the groom names no feather".into());
     }
-    let columns = count.min(16);
-    let rows = count.div_ceil(columns);
+    // Sides that are powers of two suit every engine.
+    let columns = count.min(16).next_power_of_two();
+    let rows = count.div_ceil(columns).next_power_of_two();
     let height = 4 * width;
     let mut picture = image::RgbaImage::new((columns * width) as u32, (rows * height) as u32);
     let mut colors = vec![[1.0; 3]; bird.cards.len()];

@@ -74,13 +74,15 @@ fn a_missing_texture_is_named() {
 #[test]
 fn attributes_that_nothing_reads_and_masks_out_of_range_are_named() {
     let found = warnings(|world, bird| {
-        let mut masks = SkinMasks::default();
-        masks.unread = vec!["_DENSTIY".into(), "COLOR_1".into()];
-        masks.density = vec![1.0; 100];
-        masks.density[7] = 9.0;
-        masks.lift = vec![f32::NAN; 100];
-        masks.length = vec![1.0; 3];
-        world.entity_mut(bird).insert(masks);
+        let mut density = vec![1.0; 100];
+        density[7] = 9.0;
+        world.entity_mut(bird).insert(SkinMasks {
+            density,
+            length: vec![1.0; 3],
+            lift: vec![f32::NAN; 100],
+            unread: vec!["_DENSTIY".into(), "COLOR_1".into()],
+            ..default()
+        });
     });
     names(&found, &["_DENSTIY", "COLOR_1", "left out"]);
     names(&found, &["_DENSITY", "9", "0 to 4"]);

@@ -37,7 +37,7 @@ impl AuthoredParts<'_, '_> {
         let to_skin = self.place(owner, skin).inverse();
         let mut authored = Authored::default();
         for entity in self.children.iter_descendants(owner) {
-            if let Some(mesh) = self.lines.get(entity).ok()
+            if let Ok(mesh) = self.lines.get(entity)
                 && let Some(mesh) = self.assets.get(&mesh.0)
                 && matches!(
                     mesh.primitive_topology(),

@@ -8,7 +8,10 @@ use plumage_tests::{
     app::Stage,
     bare::{Bare, PHASES, Subject, count, paint},
 };
-use std::{path::PathBuf, process::ExitCode};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 /// Largest share allowed.
 const ALLOWED: f32 = 0.005;
@@ -30,7 +33,7 @@ struct Args {
     pictures: Option<PathBuf>,
 }
 
-fn measure(args: &Args, file: &PathBuf) -> Result<Bare, String> {
+fn measure(args: &Args, file: &Path) -> Result<Bare, String> {
     let mut stage = Stage::sized(args.size, args.size).ok_or("no graphics adapter found")?;
     let subject = Subject::open(&mut stage, file, args.clip)?;
     paint(&mut stage, subject.owner);
