@@ -2,7 +2,7 @@
 CARGO ?= cargo
 ARGS ?=
 
-.PHONY: help minimal parrot eagle flock wind single fur chick inspector tour test golden gallery charts bench gpu-cost judge docs birds feathers tables setup
+.PHONY: help minimal parrot eagle flock wind single fur chick inspector tour test golden gallery charts bench gpu-cost judge blender docs birds feathers tables setup
 
 help:
 	@echo "Examples: a window, or off screen without a display; ARGS='--camera closeup' passes options, ARGS=--help lists them."
@@ -18,6 +18,7 @@ help:
 	@echo "  make bench                       benchmarks of the evaluators"
 	@echo "  make gpu-cost                    what a GPU's compiler makes of every pipeline, without a GPU"
 	@echo "  make judge                       light of a vane by Mitsuba 3, in a Python environment of its own"
+	@echo "  make blender                     a bird from Blender to feathers and back, in a Python environment of its own"
 	@echo "Documentation:"
 	@echo "  make docs                        API documentation"
 	@echo "  make gallery                     every picture of the README, into docs"
@@ -82,6 +83,10 @@ judge: setup
 	DRJIT_LIBLLVM_PATH="$${DRJIT_LIBLLVM_PATH:-$$(ls /usr/lib/*/libLLVM-1[7-9].so /usr/lib/*/libLLVM.so.* 2>/dev/null | head -1)}" \
 		judge/.venv/bin/python judge/judge.py $(JUDGED) $(ARGS)
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin vane_judge -- $(JUDGED)
+
+# Needs python3 (3.11) with venv; with npm the file baked goes through Khronos' validator, too.
+blender: setup
+	CARGO="$(CARGO)" ./scripts/blender.sh
 
 bench: setup
 	$(CARGO) bench -p plumage_benches --profile dev --config 'profile.dev.opt-level=3'

@@ -90,7 +90,7 @@ fn report(
 /// Once the scene is there: measures it all through its animation; then size and feathers.
 fn dress(
     mut commands: Commands,
-    mut bare: Query<(Entity, &mut Bare, &Idle, &mut Transform)>,
+    mut bare: Query<(Entity, &mut Bare, &Idle, &mut Transform, &mut PlumageState)>,
     args: Res<Args>,
     shots: Res<Shots>,
     children: Query<&Children>,
@@ -101,7 +101,7 @@ fn dress(
     poses: Res<Assets<SkinnedMeshInverseBindposes>>,
     meshes: Res<Assets<Mesh>>,
 ) {
-    for (root, mut state, idle, mut transform) in &mut bare {
+    for (root, mut state, idle, mut transform, mut growth) in &mut bare {
         if !state.ready {
             continue;
         }
@@ -130,10 +130,14 @@ fn dress(
         if moment < MOMENTS {
             continue;
         }
-        if let Some((center, scale)) = fit(&state.points, &shots, args.size) {
-            transform.scale = Vec3::splat(scale);
-            transform.translation = -center * scale;
-        }
+        let Some((center, scale)) = fit(&state.points, &shots, args.size) else {
+            let found = "the file has no mesh with an extent: nothing to grow feathers on";
+            growth.error = Some(found.into());
+            commands.entity(root).remove::<Bare>();
+            continue;
+        };
+        transform.scale = Vec3::splat(scale);
+        transform.translation = -center * scale;
         commands.entity(root).remove::<Bare>().insert((
             // The default handle: no groom but what the mesh offers.
             Plumage::default()

@@ -83,19 +83,19 @@ pub use anatomy::{
 };
 pub use asset::{AssetError, AssetLink, RonAsset, RonLoader, RonSaver};
 pub use groom::{
-    Card, CardGeometry, CardRegion, Dab, FeathersOf, Groom, GroomError, GroomPlugin, Guide, Jitter,
-    JointPose, JointWeight, KeyPose, NotSkin, Placement, Plumage, PlumageCards, PlumageFailed,
-    PlumageParts, PlumageReady, PlumageState, PlumageSystems, Region, Row, Segments, Select, Span,
-    Station, Tint,
+    Card, CardGeometry, CardRegion, Dab, FanJoint, FanJoints, FeathersOf, Groom, GroomError,
+    GroomPlugin, Guide, Jitter, JointPose, JointWeight, KeyPose, NotSkin, Placement, Plumage,
+    PlumageCards, PlumageFailed, PlumageParts, PlumageReady, PlumageState, PlumageSystems, Region,
+    Row, Segments, Select, SkinFlaw, SkinMasks, Span, Station, Tint,
 };
 pub use maths::scattering::interference::{Base, Iridescence, ScaleMap, Structure};
 pub use maths::scattering::{Fibre, FibreKind, Optics, Sheen};
 pub use parameter::{Length, Parameter};
 pub use plugin::PlumagePlugins;
 pub use render::{
-    ActiveFeatherPath, CARD_COUNTERS, CoverageMethod, DebugView, FeatherMaterial, FeatherPath,
-    FeatherQuality, FeatherRenderPlugin, FeatherSettings, FeatherTransparency, PlumageMemory,
-    Ruffle, Wind,
+    ActiveFeatherPath, BakedFeather, CARD_COUNTERS, CoverageMethod, DebugView, FeatherMaterial,
+    FeatherPath, FeatherQuality, FeatherRenderPlugin, FeatherSettings, FeatherTransparency,
+    PlumageMemory, Ruffle, Wind,
 };
 pub use skin_color::SkinColorPlugin;
 pub use undercoat::{

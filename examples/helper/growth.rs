@@ -28,8 +28,12 @@ impl Growth {
         let mut growth = Self::default();
         for state in world.query::<&PlumageState>().iter(world) {
             growth.wanted += 1;
-            growth.grown += usize::from(state.is_ready());
+            growth.grown += usize::from(state.is_ready() && state.cards > 0);
             growth.errors.extend(state.error.clone());
+            if state.is_ready() && state.cards == 0 {
+                let bare = "a groom without a single feather (counts, masks and paint leave none)";
+                growth.errors.push(bare.into());
+            }
         }
         for state in world.query::<&UndercoatState>().iter(world) {
             growth.wanted += 1;
@@ -37,11 +41,14 @@ impl Growth {
             growth.errors.extend(state.error.clone());
         }
         type Drawn = (
+            &'static PlumageCards,
             Has<MeshMaterial3d<FeatherMaterial>>,
             Has<MeshMaterial3d<StandardMaterial>>,
         );
-        let mut cards = world.query_filtered::<Drawn, With<PlumageCards>>();
-        for (full, fallback) in cards.iter(world) {
+        for (worn, full, fallback) in world.query::<Drawn>().iter(world) {
+            if worn.cards.is_empty() {
+                continue;
+            }
             growth.card_meshes += 1;
             growth.undrawn += usize::from(!full && !fallback);
         }

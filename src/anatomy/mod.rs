@@ -14,9 +14,9 @@ mod rachis;
 mod table1;
 mod v1;
 
-pub use builtin::contour;
 #[cfg(any(feature = "inspector", feature = "photo"))]
 pub use builtin::primary;
+pub use builtin::{contour, covering};
 pub use contour::{CONTOUR_ROWS, RACHIS_ROWS, ShapeTable};
 pub use down::{Coat, Down, Interval, Specular, Spread, Transfer};
 pub use feather::{

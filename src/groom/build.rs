@@ -122,7 +122,7 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
     groom
         .check_size(density)
         .map_err(|error| error.in_file(&groom.name))?;
-    let mut warnings = Vec::new();
+    let mut warnings: Vec<String> = skin.flaws.iter().map(ToString::to_string).collect();
     let mut down = Vec::new();
     let mut leaves = regions(bird, groom, seed, density, &mut warnings, &mut down);
     let skinned = !bird.joints.is_empty() && !skin.weights.is_empty();
@@ -302,7 +302,7 @@ fn regions(
         for follicle in &follicles {
             let clearance = below[follicle.at.triangle as usize];
             leaves.push(feather(
-                skin, lay, groom, number, follicle, own, size, clearance, room,
+                &field, groom, number, follicle, own, size, clearance, room,
             ));
         }
         placed.extend(follicles);
@@ -374,8 +374,7 @@ fn clearance(groom: &Groom, masks: &[Vec<bool>], number: usize, size: f32) -> Ve
 }
 
 fn feather(
-    skin: &SkinMesh,
-    lay: &[Vec3],
+    field: &Field,
     groom: &Groom,
     number: usize,
     follicle: &Follicle,
@@ -384,6 +383,7 @@ fn feather(
     clearance: f32,
     room: f32,
 ) -> Leaf {
+    let (skin, lay) = (field.skin, field.lay);
     let region = &groom.regions[number];
     let phi = follicle.phi;
     // Half a millimetre on a bird: the feather keeps its seed when others are added around it.
@@ -398,9 +398,12 @@ fn feather(
     let length =
         region.length.at(phi) * longer * size * groom.unit * (1.0 + jitter.length * draw.normal());
     let width = region.width.at(phi) * size * groom.unit * (1.0 + jitter.width * draw.normal());
+    let masked = skin.mask_length(follicle.at);
+    let (length, width) = (length * masked, width * masked);
     let yaw = (jitter.yaw * draw.normal()).to_radians();
     let roll = (jitter.roll * draw.normal()).to_radians();
-    let lift = (region.lift.at(phi) + jitter.lift * draw.normal()).to_radians();
+    let lift = region.lift.at(phi) + jitter.lift * draw.normal() + skin.mask_lift(follicle.at);
+    let lift = lift.clamp(-90.0, 90.0).to_radians();
     let tint = vary(
         region.tint,
         phi,

@@ -3,6 +3,7 @@
 
 use super::{
     asset::Groom,
+    authored::{Authored, SkinMasks},
     build::{Bird, Coat, DownTract, groom_bird},
     card::{Card, CardGeometry},
     component::CardRegion,
@@ -34,6 +35,18 @@ pub(super) struct CoatKey {
     pub maps: Vec<Vec<u16>>,
     /// Names of the joints.
     pub joints: Vec<String>,
+    /// Hash of masks, guides and rows of the file.
+    pub authored: u64,
+}
+
+/// What a coat is made of besides its groom.
+pub(super) struct CoatInput {
+    /// Meshes of the skin.
+    pub meshes: Vec<Mesh>,
+    /// Their masks, in order.
+    pub masks: Vec<SkinMasks>,
+    /// Guides and rows of the file.
+    pub authored: Authored,
 }
 
 /// A coat as equal birds share it.
@@ -55,6 +68,8 @@ pub(super) struct SharedCoat {
     pub worn: Arc<WornPoses>,
     pub crossings: Crossings,
     pub milliseconds: f32,
+    /// What was odd but not fatal.
+    pub warnings: Arc<[String]>,
 }
 
 impl SharedCoat {
@@ -87,6 +102,7 @@ impl SharedCoat {
             worn: Arc::new(coat.worn),
             crossings: coat.crossings,
             milliseconds,
+            warnings: coat.warnings.into(),
         }
     }
 }
@@ -114,24 +130,28 @@ impl Coats {
         &mut self,
         key: &CoatKey,
         groom: Option<&Groom>,
-        meshes: impl FnOnce() -> Vec<Mesh>,
+        input: impl FnOnce() -> CoatInput,
     ) {
         if self.0.contains_key(key) {
             return;
         }
-        let (meshes, groom, of) = (meshes(), groom.cloned(), key.clone());
+        let (input, groom, of) = (input(), groom.cloned(), key.clone());
         let pool = AsyncComputeTaskPool::get_or_init(TaskPool::new);
         let task = pool.spawn(async move {
             let begun = Instant::now();
-            let meshes: Vec<&Mesh> = meshes.iter().collect();
+            let meshes: Vec<&Mesh> = input.meshes.iter().collect();
             let groomed = SkinMesh::from_meshes(&meshes, &of.maps).and_then(|skin| {
                 let bird = Bird {
-                    skin,
+                    skin: skin.with_masks(&input.masks),
                     joints: of.joints,
                 };
-                let groom = groom.unwrap_or_else(|| Groom::fallback(&bird.skin, &bird.joints));
+                let mut groom = groom.unwrap_or_else(|| Groom::fallback(&bird.skin, &bird.joints));
+                let mut notes = Vec::new();
+                input.authored.dress(&mut groom, &mut notes);
+                let mut coat = groom_bird(&bird, &groom, of.seed, f32::from_bits(of.density))?;
+                coat.warnings.extend(notes);
                 Ok(Groomed {
-                    coat: groom_bird(&bird, &groom, of.seed, f32::from_bits(of.density))?,
+                    coat,
                     skin: bird.skin,
                     regions: CardRegion::of(&groom),
                     shares: groom.shares().collect(),

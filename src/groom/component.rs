@@ -83,6 +83,9 @@ pub struct PlumageState {
     pub crossings: u32,
     /// Why the last groom failed, if it did. The cards there were before stay.
     pub error: Option<String>,
+    /// What was odd but did not keep feathers from growing: attributes that nothing reads, values out of range and what was done about
+    /// them, joints that the skin lacks, textures that did not load.
+    pub warnings: Vec<String>,
 }
 
 impl PlumageState {

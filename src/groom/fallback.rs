@@ -18,7 +18,7 @@ const SHORTEST: f32 = 0.35;
 /// Width over length.
 const WIDTH: f32 = 0.55;
 /// Area of all feathers over that of the skin.
-const COVER: f32 = 5.0;
+const COVER: f32 = 8.0;
 /// Most feathers; beyond it they are larger instead.
 const MOST: f32 = 12_000.0;
 /// Most regions of one kind.
@@ -42,7 +42,7 @@ impl Groom {
     /// Regions are taken from the first of these that the mesh has: tract numbers (a second set of texture coordinates whose x
     /// are whole numbers), vertex colors (2 to 48 of them), joints with names of their own, or nothing: one region. Feathers take their
     /// colors from the skin (`skin_color`); the tint is that of the vertex colors, if there are any. What none of them takes is a region too. Feathers are 0.04 of the mesh's diagonal long, shorter on small regions
-    /// (thin limbs), about five layers deep, at most 12,000; they lie towards -z and -y (glTF: backwards and down).
+    /// (thin limbs), about eight layers deep, at most 12,000; they lie towards -z and -y (glTF: backwards and down).
     pub fn fallback(skin: &SkinMesh, joints: &[String]) -> Self {
         let corners = || {
             skin.triangles
@@ -150,7 +150,8 @@ fn areas<K: Ord>(skin: &SkinMesh, key: impl Fn(u32) -> Option<K>) -> Option<BTre
 
 fn by_tract(skin: &SkinMesh) -> Option<Vec<Part>> {
     let whole = |value: f32| value >= 0.0 && (value - value.round()).abs() < 1.0e-3;
-    if skin.tract_phi.is_empty() || !skin.tract_phi.iter().all(|[number, _]| whole(*number)) {
+    let numbers = (0..skin.positions.len()).map(|vertex| skin.vertex_tract(vertex));
+    if !numbers.into_iter().all(|number| number.is_some_and(whole)) {
         return None;
     }
     let parts = areas(skin, |triangle| {

@@ -36,6 +36,8 @@ pub struct Field<'a> {
 
 /// Least and largest factor that paint leaves on the number of feathers.
 const PAINTED: (f32, f32) = (0.02, 4.0);
+/// Density of a mask below which no feather grows.
+const LEAST: f32 = 0.01;
 
 impl<'a> Field<'a> {
     /// Prepares a region; finds the range of phi on it.
@@ -78,23 +80,34 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// Factor of the paint on the number of feathers at a place.
-    fn density(&self, position: Vec3) -> f32 {
+    /// Factor of paint and masks on the number of feathers at a follicle.
+    fn density(&self, follicle: &Follicle) -> f32 {
+        let own = self.skin.mask_density(follicle.at);
         if self.paint.is_empty() {
-            return 1.0;
+            return own;
         }
-        let (density, _) = painted(self.paint, (position / self.unit).to_array());
-        density.clamp(PAINTED.0, PAINTED.1)
+        let (density, _) = painted(self.paint, (follicle.position / self.unit).to_array());
+        own * density.clamp(PAINTED.0, PAINTED.1)
     }
 
-    /// Relative spacing of the region's feathers at a place.
-    pub(super) fn spacing(&self, region: &Region, phi: f32, position: Vec3) -> f32 {
-        spacing(region, phi) / self.density(position).sqrt()
+    /// Whether a mask wants feathers at a point at all.
+    pub(super) fn wants(&self, at: SurfacePoint) -> bool {
+        self.skin.mask_density(at) > LEAST
+    }
+
+    /// Whether anything changes the number of feathers.
+    pub(super) fn is_uneven(&self) -> bool {
+        !self.paint.is_empty() || !self.skin.masks.density.is_empty()
+    }
+
+    /// Relative spacing of the region's feathers at a follicle.
+    pub(super) fn spacing(&self, region: &Region, follicle: &Follicle) -> f32 {
+        spacing(region, follicle.phi) / self.density(follicle).max(LEAST).sqrt()
     }
 
     /// How many times the feathers of an unpainted region the paint asks for.
     pub fn paint_scale(&self, region: &Region) -> f64 {
-        if self.paint.is_empty() {
+        if !self.is_uneven() {
             return 1.0;
         }
         let (mut plain, mut asked) = (0.0, 0.0);
@@ -106,7 +119,7 @@ impl<'a> Field<'a> {
             let weight = f64::from(self.skin.areas[triangle as usize])
                 / f64::from(spacing(region, center.phi)).powi(2);
             plain += weight;
-            asked += weight * f64::from(self.density(center.position));
+            asked += weight * f64::from(self.density(&center));
         }
         if plain > 0.0 { asked / plain } else { 1.0 }
     }

@@ -60,6 +60,7 @@ pub fn lay_field<'a>(
             .collect();
         let reach = EVEN * (high - low).length() / skin.mean_edge().max(f32::MIN_POSITIVE);
         smooth(skin, &mut field, (reach * reach).clamp(8.0, 400.0) as usize);
+        follow_mask(skin, &mut field);
         return field;
     }
     let tree = PointTree::new(strokes.iter().map(|stroke| stroke.middle));
@@ -85,7 +86,17 @@ pub fn lay_field<'a>(
         })
         .collect();
     smooth(skin, &mut field, SMOOTHING);
+    follow_mask(skin, &mut field);
     field
+}
+
+/// Where a mask says how feathers lie it has the last word.
+fn follow_mask(skin: &SkinMesh, field: &mut [Vec3]) {
+    for (node, lay) in skin.mask_lay() {
+        if let Some(lay) = tangent(lay, skin.normals[node]) {
+            field[node] = lay;
+        }
+    }
 }
 
 /// The box around the skin.

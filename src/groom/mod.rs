@@ -10,6 +10,7 @@
 //! shaders or the GPU.
 
 mod asset;
+mod authored;
 mod build;
 mod card;
 mod carried;
@@ -46,13 +47,14 @@ pub use asset::{
     Dab, Groom, Guide, Jitter, JointWeight, Placement, Region, Row, Segments, Select, Span,
     Station, Tint, painted,
 };
+pub use authored::{Authored, AuthoredGuide, AuthoredRow, AuthoredStation, SkinMasks, chains};
 pub use build::{Bird, Coat, DownTract, groom_bird};
 pub use card::{Card, CardGeometry};
 pub use component::{
     CardRegion, DownTracts, FeathersOf, NotSkin, Plumage, PlumageCards, PlumageFailed,
     PlumageParts, PlumageReady, PlumageState, PlumageSystems, SkinColors,
 };
-pub use error::GroomError;
+pub use error::{GroomError, SkinFlaw};
 pub use fan::{FanJoints, fan_rows, fan_transform};
 pub use layer::Crossings;
 pub use leaf::Leaf;

@@ -2,7 +2,8 @@
 
 use super::{
     asset::Groom,
-    coats::{CoatKey, Coats, SharedCoat},
+    authored::{AuthoredParts, SkinMasks, read_attributes},
+    coats::{CoatInput, CoatKey, Coats, SharedCoat},
     component::{
         DownTracts, FeathersOf, NotSkin, Plumage, PlumageCards, PlumageFailed, PlumageParts,
         PlumageReady, PlumageState, PlumageSystems, SkinColors,
@@ -12,7 +13,7 @@ use super::{
     worn::{Worn, find_worn},
 };
 use crate::{
-    anatomy::{Feather, contour},
+    anatomy::{Feather, covering},
     asset::{AssetLink, RonLoader},
     modified::modified,
 };
@@ -21,15 +22,18 @@ use bevy::{
     asset::{AssetApp, AssetEvent, AssetServer, Assets, Handle, LoadState},
     camera::visibility::NoFrustumCulling,
     ecs::{name::Name, prelude::*},
+    gltf::extensions::GltfExtensionHandlers,
     log::error,
     math::Mat4,
     mesh::{
         Mesh, Mesh3d,
         skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
     },
+    platform::hash::FixedHasher,
     prelude::{Transform, TransformSystems, Visibility},
     transform::components::GlobalTransform,
 };
+use std::hash::BuildHasher;
 
 /// A groom under way.
 #[derive(Component, Default)]
@@ -58,6 +62,7 @@ impl Plugin for GroomPlugin {
             .register_type::<FeathersOf>()
             .register_type::<PlumageParts>()
             .register_type::<NotSkin>()
+            .register_type::<SkinMasks>()
             .add_observer(drop_removed)
             .add_observer(regroom_lost)
             .add_systems(
@@ -72,6 +77,13 @@ impl Plugin for GroomPlugin {
                     .in_set(PlumageSystems::MoveFeathers)
                     .after(TransformSystems::Propagate),
             );
+    }
+
+    fn finish(&self, app: &mut App) {
+        // An app without glTF has no attributes to read.
+        if let Some(handlers) = app.world().get_resource::<GltfExtensionHandlers>() {
+            read_attributes(handlers);
+        }
     }
 }
 
@@ -141,6 +153,7 @@ fn start(
     grooms: Res<Assets<Groom>>,
     feathers: Res<Assets<Feather>>,
     meshes: SkinMeshes,
+    parts: AuthoredParts,
     mut coats: ResMut<Coats>,
     mut birds: Query<(Entity, &Plumage, &mut PlumageState, &mut GroomJob)>,
 ) {
@@ -176,7 +189,10 @@ fn start(
         let Some((target, input)) = meshes.find(owner) else {
             continue;
         };
+        let masks = parts.masks(&target.meshes);
+        let authored = parts.find(owner, target.mesh);
         let key = CoatKey {
+            authored: FixedHasher.hash_one(format!("{masks:?} {authored:?}")),
             groom: plumage.groom.id(),
             seed: plumage.seed,
             density: plumage.density.to_bits(),
@@ -184,20 +200,24 @@ fn start(
             maps: input.maps,
             joints: input.joints,
         };
-        coats.begin(&key, groom, || meshes.copies(&key.meshes));
+        coats.begin(&key, groom, || CoatInput {
+            meshes: meshes.copies(&key.meshes),
+            masks,
+            authored,
+        });
         job.waits = Some((target, key));
     }
 }
 
 /// The feathers of the groom; paths given in code are relative to the groom's file, or to the asset root for a groom without
-/// one. Without a groom: the contour feather that comes with the crate, no file needed.
+/// one. Without a groom: a feather that comes with the crate, no file needed.
 fn load_feathers(
     server: &AssetServer,
     plumage: &Plumage,
     groom: Option<&Groom>,
 ) -> Vec<Handle<Feather>> {
     let Some(groom) = groom else {
-        return vec![server.add(contour())];
+        return vec![server.add(covering())];
     };
     let base = server.get_path(plumage.groom.id());
     let load = |link: &AssetLink<Feather>| link.load(server, base.as_ref());
@@ -240,6 +260,7 @@ fn finish(
             groom_ms: coat.milliseconds,
             crossings: coat.crossings.left as u32,
             error: None,
+            warnings: coat.warnings.to_vec(),
         };
         let cards = PlumageCards {
             cards: coat.cards.clone(),

@@ -27,7 +27,7 @@ pub fn scatter(
     }
     // Paint is laid over rows, too: they become blue noise where it changes their number.
     if let Placement::Rows(rows) = region.placement
-        && field.paint_scale(region) == 1.0
+        && !field.is_uneven()
     {
         let follicles = lattice::rows(field, region, rows as usize, count, seed);
         if follicles.len() == count {
@@ -46,7 +46,10 @@ fn candidates(field: &Field, region: &Region, count: usize, stream: &mut Stream)
             triangle,
             bary: Vec3::splat(1.0 / 3.0),
         });
-        let spacing = field.spacing(region, center.phi, center.position);
+        if !corners_wanted(field, triangle) {
+            return 0.0;
+        }
+        let spacing = field.spacing(region, &center);
         f64::from(field.skin.areas[triangle as usize]) / f64::from(spacing).powi(2)
     };
     let weights: Vec<f64> = field
@@ -56,17 +59,30 @@ fn candidates(field: &Field, region: &Region, count: usize, stream: &mut Stream)
         .collect();
     let step = weights.iter().sum::<f64>() / count as f64;
     let mut list = Vec::with_capacity(count);
-    let mut reached = 0.0;
+    let (mut reached, mut reached_count) = (0.0, 0);
     let last = field.triangles.len() - 1;
     for (i, (&triangle, weight)) in field.triangles.iter().zip(&weights).enumerate() {
         reached += weight;
-        while list.len() < count && (i == last || (list.len() as f64 + 0.5) * step < reached) {
+        while reached_count < count && (i == last || (reached_count as f64 + 0.5) * step < reached)
+        {
             let (root, split) = (stream.uniform().sqrt(), stream.uniform());
             let bary = Vec3::new(1.0 - root, root * (1.0 - split), root * split);
-            list.push(field.follicle(SurfacePoint { triangle, bary }));
+            let at = SurfacePoint { triangle, bary };
+            reached_count += 1;
+            if field.wants(at) {
+                list.push(field.follicle(at));
+            }
         }
     }
     list
+}
+
+/// Whether a mask wants feathers at any corner of a triangle.
+fn corners_wanted(field: &Field, triangle: u32) -> bool {
+    let corners = [Vec3::X, Vec3::Y, Vec3::Z].into_iter();
+    corners
+        .map(|bary| SurfacePoint { triangle, bary })
+        .any(|at| field.wants(at))
 }
 
 /// Kills the most crowded candidate until `count` are left.
@@ -86,13 +102,13 @@ fn eliminate(
     let radius = (area / (2.0 * 3.0_f64.sqrt() * count as f64)).sqrt() as f32;
     let mean_square = list
         .iter()
-        .map(|f| field.spacing(region, f.phi, f.position).powi(-2))
+        .map(|f| field.spacing(region, f).powi(-2))
         .sum::<f32>()
         / list.len().max(1) as f32;
     // Mean number density stays count / area: the radius follows the local spacing.
     let radii: Vec<f32> = list
         .iter()
-        .map(|f| radius * field.spacing(region, f.phi, f.position) * mean_square.sqrt())
+        .map(|f| radius * field.spacing(region, f) * mean_square.sqrt())
         .collect();
     let widest = radii.iter().copied().fold(0.0, f32::max);
     let lay: Vec<Vec3> = list

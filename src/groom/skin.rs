@@ -3,7 +3,10 @@
 //! Vertices that coincide are welded into *nodes*, so that seams of normals or texture coordinates do not tear the fields
 //! that live on the surface (lay, height). Nothing is assumed about the scale, the topology or the attributes present.
 
-use super::error::GroomError;
+use super::{
+    authored::SkinMasks,
+    error::{GroomError, SkinFlaw},
+};
 use bevy::{
     math::Vec3,
     mesh::{Indices, Mesh, PrimitiveTopology, VertexAttributeValues},
@@ -18,6 +21,9 @@ pub struct SurfacePoint {
     /// Barycentric coordinates; not negative, sum 1.
     pub bary: Vec3,
 }
+
+/// Most triangles of a skin: beyond it the lay alone takes most of a minute.
+pub const MOST_TRIANGLES: usize = 1_000_000;
 
 /// Joints with weights: sum 1, or all zero on a skin without joints.
 pub type Weights = ([u16; 4], [f32; 4]);
@@ -37,6 +43,10 @@ pub struct SkinMesh {
     pub first_vertices: Vec<u32>,
     /// Joints and weights of each vertex; empty if the mesh is not skinned.
     pub weights: Vec<Weights>,
+    /// What the vertices say about feathers, see [`SkinMesh::with_masks`].
+    pub masks: SkinMasks,
+    /// What was wrong with the meshes without being fatal.
+    pub flaws: Vec<SkinFlaw>,
     /// Triangles that have an area.
     pub triangles: Vec<[u32; 3]>,
     /// Area of each triangle.
@@ -101,7 +111,8 @@ impl SkinMesh {
     /// joint `j` of mesh `m`; an empty map leaves the index as it is.
     ///
     /// # Errors
-    /// [`GroomError::Skin`] if there is no mesh, a mesh is not made of triangles, has no positions on the CPU, or has no area.
+    /// [`GroomError::Skin`] if there is no mesh, a mesh is not made of triangles, has no positions on the CPU, or has no area;
+    /// [`GroomError::Value`] for more than [`MOST_TRIANGLES`].
     pub fn from_meshes(meshes: &[&Mesh], joint_maps: &[Vec<u16>]) -> Result<Self, GroomError> {
         let mut skin = Self::default();
         let all_tracts = meshes
@@ -142,13 +153,23 @@ impl SkinMesh {
                 .extend((0..count).map(|i| uvs.get(i).copied().unwrap_or_default()));
             skin.first_vertices.push(base);
             let map = joint_maps.get(number).map_or(&[][..], Vec::as_slice);
-            skin.weights.extend(vertex_weights(mesh, count, map));
+            let (weights, flaw) = vertex_weights(mesh, number, count, map);
+            skin.weights.extend(weights);
+            skin.flaws.extend(flaw);
             let list: Vec<u32> = match mesh.try_indices_option() {
                 Ok(Some(Indices::U16(list))) => list.iter().map(|&i| u32::from(i)).collect(),
                 Ok(Some(Indices::U32(list))) => list.clone(),
                 Ok(None) => (0..count as u32).collect(),
                 Err(_) => return Err(fail("has no indices in main memory")),
             };
+            if triangles.len() + list.len() / 3 > MOST_TRIANGLES {
+                return Err(GroomError::Value {
+                    mesh: number,
+                    field: "triangles",
+                    value: (triangles.len() + list.len() / 3).to_string(),
+                    range: format!("1 to {MOST_TRIANGLES} (feathers hide finer shapes: decimate)"),
+                });
+            }
             let normals = floats::<3>(mesh, Mesh::ATTRIBUTE_NORMAL).unwrap_or_default();
             for corner in list.chunks_exact(3) {
                 if corner.iter().any(|&i| i as usize >= count) {
@@ -293,18 +314,24 @@ impl SkinMesh {
         a * point.bary.x + b * point.bary.y + c * point.bary.z
     }
 
-    /// Tract number of a triangle: that of two of its vertices at least, else of the first. `None` without `TEXCOORD_1`.
+    /// Tract number of a vertex, from the mask or `TEXCOORD_1`; `None` without either.
+    pub fn vertex_tract(&self, vertex: usize) -> Option<f32> {
+        let masked = self.masks.tract.get(vertex).copied();
+        masked.or_else(|| self.tract_phi.get(vertex).map(|[number, _]| *number))
+    }
+
+    /// Tract number of a triangle: that of two of its vertices at least, else of the first. `None` without any.
     pub fn tract(&self, triangle: u32) -> Option<i32> {
-        if self.tract_phi.is_empty() {
-            return None;
-        }
-        let [a, b, c] = self.triangles[triangle as usize]
-            .map(|vertex| self.tract_phi[vertex as usize][0].round() as i32);
-        Some(if b == c { b } else { a })
+        let corner = |vertex: u32| Some(self.vertex_tract(vertex as usize)?.round() as i32);
+        let [a, b, c] = self.triangles[triangle as usize].map(corner);
+        if b == c { b } else { a }
     }
 
     /// Phi at a point, from the vertices that belong to the triangle's tract. `None` without `TEXCOORD_1`.
     pub fn phi(&self, point: SurfacePoint) -> Option<f32> {
+        if self.tract_phi.is_empty() {
+            return None;
+        }
         let tract = self.tract(point.triangle)?;
         let (mut sum, mut total) = (0.0, 0.0);
         for (vertex, share) in self.triangles[point.triangle as usize]
@@ -312,6 +339,7 @@ impl SkinMesh {
             .zip(point.bary.to_array())
         {
             let [number, phi] = self.tract_phi[vertex as usize];
+            let number = self.vertex_tract(vertex as usize).unwrap_or(number);
             if number.round() as i32 == tract {
                 // A point on the far edge has no share of the tract's own vertices: keep the mean defined there.
                 sum += phi * (share + 1.0e-6);
@@ -441,20 +469,42 @@ impl SkinMesh {
     }
 }
 
-fn vertex_weights(mesh: &Mesh, count: usize, map: &[u16]) -> Vec<Weights> {
+/// Joints and weights of a mesh's vertices, none if it is not skinned. A vertex whose weights are no weights rides on its first joint.
+fn vertex_weights(
+    mesh: &Mesh,
+    number: usize,
+    count: usize,
+    map: &[u16],
+) -> (Vec<Weights>, Option<SkinFlaw>) {
     let joints: Vec<[u16; 4]> = match mesh.try_attribute_option(Mesh::ATTRIBUTE_JOINT_INDEX) {
         Ok(Some(VertexAttributeValues::Uint16x4(values))) => values.clone(),
         Ok(Some(VertexAttributeValues::Uint8x4(values))) => {
             values.iter().map(|v| v.map(u16::from)).collect()
         }
-        _ => return Vec::new(),
+        _ => return (Vec::new(), None),
     };
     let Some(weights) = floats::<4>(mesh, Mesh::ATTRIBUTE_JOINT_WEIGHT) else {
-        return Vec::new();
+        return (Vec::new(), None);
     };
-    if joints.len() != count || weights.len() != count {
-        return Vec::new();
+    for found in [joints.len(), weights.len()] {
+        if found != count {
+            let flaw = SkinFlaw::count(number, "JOINTS_0, WEIGHTS_0", found, count);
+            return (Vec::new(), Some(flaw));
+        }
     }
+    let sound = |weights: &[f32; 4]| {
+        let known = weights.iter().all(|w| w.is_finite() && *w >= 0.0);
+        known && weights.iter().sum::<f32>() > 0.0
+    };
+    let wrong = weights.iter().filter(|weights| !sound(weights)).count();
+    let flaw = weights.iter().position(|weights| !sound(weights));
+    let flaw = flaw.map(|vertex| SkinFlaw {
+        mesh: number,
+        field: format!("WEIGHTS_0 of vertex {vertex}"),
+        value: format!("{:?} ({wrong} such vertices in all)", weights[vertex]),
+        range: "numbers from 0 to 1 with a sum above 0".into(),
+        mended: "feathers there ride on the first joint",
+    });
     let rename = |joint: u16| {
         if map.is_empty() {
             joint
@@ -462,11 +512,15 @@ fn vertex_weights(mesh: &Mesh, count: usize, map: &[u16]) -> Vec<Weights> {
             map.get(usize::from(joint)).copied().unwrap_or(0)
         }
     };
-    joints
-        .iter()
-        .zip(&weights)
-        .map(|(joint, weight)| blend_weights([((joint.map(rename), *weight), 1.0)]))
-        .collect()
+    let vertices = joints.iter().zip(&weights).map(|(joint, weight)| {
+        let weight = if sound(weight) {
+            *weight
+        } else {
+            [1.0, 0.0, 0.0, 0.0]
+        };
+        blend_weights([((joint.map(rename), weight), 1.0)])
+    });
+    (vertices.collect(), flaw)
 }
 
 /// Blends sets of joint weights by share; keeps the four strongest, sum 1. Ties go to the lower joint.

@@ -6,7 +6,7 @@ use bevy::{
     ecs::{name::Name, prelude::*, system::SystemParam},
     math::Mat4,
     mesh::{
-        Mesh, Mesh3d,
+        Mesh, Mesh3d, PrimitiveTopology,
         skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
     },
     platform::collections::HashMap,
@@ -100,6 +100,11 @@ impl SkinMeshes<'_, '_> {
                 None => None,
             };
             found.push((entity, mesh, bind));
+        }
+        // Curves along the lay may lie beside the skin.
+        let is_skin = |mesh: &Mesh| mesh.primitive_topology() == PrimitiveTopology::TriangleList;
+        if found.iter().any(|(_, mesh, _)| is_skin(mesh)) {
+            found.retain(|(_, mesh, _)| is_skin(mesh));
         }
         let any_skinned = found.iter().any(|(_, _, bind)| bind.is_some());
         found.retain(|(_, _, bind)| bind.is_some() == any_skinned);

@@ -1,11 +1,7 @@
 //! Fallback below the required limits: every feather is a plain textured card, cut out at its contour, with Bevy's standard
 //! material.
 
-use super::pack::albedo_front;
-use crate::{
-    anatomy::{Feather, ShapeTable},
-    groom::PlumageCards,
-};
+use crate::{anatomy::Feather, groom::PlumageCards};
 use bevy::{
     asset::RenderAssetUsages,
     mesh::VertexAttributeValues,
@@ -160,18 +156,11 @@ fn atlas(
     let mut data = vec![0u8; width * count * height * 4];
     for (tile, feather) in feathers.iter().take(count).enumerate() {
         let tint = mean_tint(cards, tile);
-        let front = albedo_front(feather, images, width as u32, height as u32);
-        let alpha = contour_alpha(feather, width, height);
+        let baked = feather.bake_picture(images, width, height);
         for y in 0..height {
             for x in 0..width {
-                let from = (y * width + x) * 4;
                 let to = (y * width * count + tile * width + x) * 4;
-                let share = f32::from(front[from + 3]) / 255.0;
-                let texel = Color::srgb_u8(front[from], front[from + 1], front[from + 2]);
-                let mixed = texel
-                    .to_linear()
-                    .mix(&tint, share)
-                    .with_alpha(alpha[y * width + x]);
+                let mixed = baked.color(y * width + x, &tint);
                 data[to..to + 4].copy_from_slice(&Srgba::from(mixed).to_u8_array());
             }
         }
@@ -200,40 +189,4 @@ fn mean_tint(cards: &PlumageCards, feather: usize) -> LinearRgba {
     }
     let mean = sum / count.max(1.0);
     LinearRgba::rgb(mean.x, mean.y, mean.z)
-}
-
-/// Share of each texel inside the contour or on the rachis, 0..1.
-fn contour_alpha(feather: &Feather, width: usize, height: usize) -> Vec<f32> {
-    let shape = feather.shape_table();
-    let map = feather.map();
-    let texel = feather.aspect / width as f32;
-    let mut alpha = Vec::with_capacity(width * height);
-    for y in 0..height {
-        let v = (y as f64 + 0.5) / height as f64;
-        let row = (v * (shape.rachis.len() - 1) as f64) as usize;
-        let shaft = shape.rachis.get(row).map_or(0.0, |row| row[2]).max(texel);
-        for x in 0..width {
-            let place = map.canonical([(x as f64 + 0.5) / width as f64, v]);
-            let place = place.map(|c| c as f32);
-            let inside = reach(feather, &shape, place) - place[0].abs();
-            let inside = inside.max(shaft - place[0].abs());
-            alpha.push((inside / texel + 0.5).clamp(0.0, 1.0));
-        }
-    }
-    alpha
-}
-
-/// How far the vane reaches from the rachis along x, at the barb through a place; below 0 where no barb is rooted.
-fn reach(feather: &Feather, shape: &ShapeTable, place: [f32; 2]) -> f32 {
-    let left = place[0] < 0.0;
-    let vane = if left { &feather.left } else { &feather.right };
-    let angle = vane.barb_angle.to_radians();
-    let root = place[1] - place[0].abs() * angle.cos() / angle.sin().max(1e-3);
-    if root < shape.start || shape.contour.is_empty() {
-        return -1.0;
-    }
-    let last = (shape.contour.len() - 1) as f32;
-    let row = (root - shape.start) / (1.0 - shape.start).max(1e-3) * last;
-    let row = row.clamp(0.0, last) as usize;
-    shape.contour[row][usize::from(!left)]
 }

@@ -17,6 +17,7 @@
 //! | `limits` | what the device must offer |
 //! | `fallback` | what is drawn where it does not |
 
+mod baked;
 mod bounds;
 mod extra_draws;
 mod fallback;
@@ -36,6 +37,7 @@ mod specialize;
 mod stacks;
 mod wind;
 
+pub use baked::BakedFeather;
 pub use key::{CoverageMethod, DrawnCards, FeatherTransparency};
 pub use limits::{ActiveFeatherPath, FeatherPath};
 pub use lod::CARD_COUNTERS;

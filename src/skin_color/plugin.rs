@@ -2,12 +2,12 @@
 
 use super::surface::{Surface, skin_color};
 use crate::{
-    groom::{Card, PlumageCards, PlumageSystems, SkinColors},
+    groom::{Card, FeathersOf, PlumageCards, PlumageState, PlumageSystems, SkinColors},
     modified::modified,
 };
 use bevy::{
     app::{App, Plugin, Update},
-    asset::{AssetEvent, AssetId, AssetServer, Assets, Handle},
+    asset::{AssetEvent, AssetId, AssetServer, Assets, Handle, LoadState},
     color::LinearRgba,
     ecs::{prelude::*, system::SystemParam},
     image::Image,
@@ -73,6 +73,20 @@ impl Skins<'_, '_> {
         })
     }
 
+    /// Why a mesh's texture is not there, if it will not come.
+    fn missing(&self, mesh: Entity) -> Option<String> {
+        let texture = self.material(mesh)?.base_color_texture.as_ref()?;
+        if self.images.contains(texture.id()) {
+            return None;
+        }
+        match self.server.load_state(texture) {
+            LoadState::Failed(cause) => Some(format!(
+                "the skin's texture did not load, the base color alone serves: {cause}"
+            )),
+            _ => None,
+        }
+    }
+
     /// How a mesh looks, if it has a standard material; `None` while that or its texture loads.
     fn surface(&self, mesh: Entity) -> Option<Option<Surface<'_>>> {
         if !self.worn.contains(mesh) {
@@ -103,10 +117,17 @@ fn take_colors(
     mut material_events: MessageReader<AssetEvent<StandardMaterial>>,
     mut image_events: MessageReader<AssetEvent<Image>>,
     skins: Skins,
-    mut birds: Query<(Entity, Ref<SkinColors>, Has<Colored>, &mut PlumageCards)>,
+    mut birds: Query<(
+        Entity,
+        Ref<SkinColors>,
+        Has<Colored>,
+        &mut PlumageCards,
+        Option<&FeathersOf>,
+    )>,
+    mut states: Query<&mut PlumageState>,
 ) {
     let (materials, images) = (modified(&mut material_events), modified(&mut image_events));
-    for (entity, colors, colored, mut cards) in &mut birds {
+    for (entity, colors, colored, mut cards, of) in &mut birds {
         let stale = colors.is_changed() || skins.touched(&colors.meshes, &materials, &images);
         if colored && !stale {
             continue;
@@ -116,6 +137,16 @@ fn take_colors(
             commands.entity(entity).remove::<Colored>();
             continue;
         };
+        let owner = FeathersOf::owner(of, entity);
+        for &mesh in &colors.meshes {
+            if let Some(note) = skins.missing(mesh)
+                && let Ok(mut state) = states.get_mut(owner)
+                && !state.warnings.contains(&note)
+            {
+                warn!("plumage of {owner}: {note}");
+                state.warnings.push(note);
+            }
+        }
         cards.cards = colored_cards(&colors, surfaces).into();
         commands.entity(entity).insert(Colored);
     }

@@ -2,10 +2,13 @@
 //! The baked birds and their grooms are complete and fit together.
 //! No renderer is needed.
 
+mod authored;
 mod birds;
+mod blender;
 mod coat;
 mod order;
 mod paint;
 mod plugin;
 mod proportions;
 mod skin_color;
+mod wrong_input;

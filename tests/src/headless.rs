@@ -3,6 +3,7 @@
 use crate::wait::until;
 use bevy::{
     app::{PluginGroupBuilder, PluginsState},
+    asset::UnapprovedPathMode,
     prelude::*,
     render::{
         RenderPlugin,
@@ -18,6 +19,8 @@ pub fn plugins(render: RenderPlugin) -> PluginGroupBuilder {
     DefaultPlugins
         .set(AssetPlugin {
             file_path: crate::asset("").display().to_string(),
+            // A file named on a command line may lie anywhere.
+            unapproved_path_mode: UnapprovedPathMode::Allow,
             ..default()
         })
         .set(WindowPlugin {

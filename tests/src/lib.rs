@@ -4,6 +4,8 @@
 #![allow(missing_docs)]
 
 pub mod app;
+pub mod awkward;
+pub mod bare;
 pub mod birds;
 pub mod cases;
 pub mod curves;

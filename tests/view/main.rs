@@ -3,6 +3,7 @@
 //! Needs a GPU or Mesa's lavapipe; without either it fails, unless `PLUMAGE_NO_GPU=1`.
 
 mod accumulate;
+mod bare;
 mod cameras;
 mod culling;
 mod debug;
