@@ -2,11 +2,12 @@
 CARGO ?= cargo
 ARGS ?=
 
-.PHONY: help minimal parrot eagle flock wind single fur chick inspector tour test golden gallery charts bench gpu-cost judge blender docs birds feathers tables setup
+.PHONY: help minimal parrot eagle pigeon flock wind single fur chick inspector tour test golden gallery charts bench gpu-cost judge blender docs birds feathers tables setup
 
 help:
 	@echo "Examples: a window, or off screen without a display; ARGS='--camera closeup' passes options, ARGS=--help lists them."
 	@echo "  make parrot | eagle | flock      two parrots; a golden eagle; twenty equal parrots"
+	@echo "  make pigeon                      a rock dove's neck, which changes between green and purple as it turns"
 	@echo "  make wind                        a parrot in changing wind, ruffling its feathers"
 	@echo "  make single                      one feather"
 	@echo "  make fur | chick                 fur on a bent cylinder; a young bird in its down"
@@ -30,7 +31,7 @@ help:
 setup:
 	@./scripts/setup.sh
 
-parrot eagle flock wind fur chick: setup
+parrot eagle pigeon flock wind fur chick: setup
 	$(CARGO) run --example $@ -- $(ARGS)
 
 minimal: setup

@@ -105,17 +105,17 @@ fn setup(
     // Both halves of the bill, a little bent down, and the swollen cere on the upper one.
     let down = Quat::from_rotation_x(0.22);
     let upper = at(0.0, 135.2, 45.0, [2.7, 2.3, 13.5]).with_rotation(down);
-    let lower = at(0.0, 132.6, 43.5, [2.5, 1.5, 11.5]).with_rotation(down);
+    let lower = at(0.0, 133.4, 43.5, [2.5, 1.6, 11.5]).with_rotation(down);
     part(ball(), &horn, upper);
     part(ball(), &horn, lower);
     for side in [-1.0, 1.0] {
         part(ball(), &cere, at(1.6 * side, 138.0, 44.5, [2.0, 1.8, 3.8]));
-        part(ball(), &lid, at(10.6 * side, 138.8, 29.5, [2.4, 4.6, 4.9]));
-        part(ball(), &iris, at(11.4 * side, 138.8, 29.8, [2.3, 3.5, 3.7]));
+        part(ball(), &lid, at(8.7 * side, 138.2, 29.5, [2.6, 4.1, 4.4]));
+        part(ball(), &iris, at(9.4 * side, 138.2, 29.8, [2.6, 3.1, 3.2]));
         part(
             ball(),
             &pupil,
-            at(12.9 * side, 138.9, 30.1, [1.2, 1.9, 1.9]),
+            at(10.8 * side, 138.2, 30.1, [1.4, 1.6, 1.6]),
         );
     }
 }
@@ -140,13 +140,20 @@ fn dress(
         groom.feathers = [plain, green, &purple].map(|f| f.clone().into()).into();
         let [head, neck, breast] = COLLAR;
         groom.regions = vec![
-            region("head", 0, 900, [head - 3.0, 200.0], [7.0, 11.0], 0x55606C),
-            region("neck", 1, 620, [neck - 4.0, head], [14.0, 19.0], 0x4A5058),
+            region("head", 0, 900, [head - 9.0, 200.0], [7.0, 11.0], 0x55606C),
+            region(
+                "neck",
+                1,
+                620,
+                [neck - 9.0, head + 4.0],
+                [14.0, 19.0],
+                0x4A5058,
+            ),
             region(
                 "collar",
                 2,
                 560,
-                [breast - 4.0, neck],
+                [breast - 10.0, neck + 6.0],
                 [17.0, 22.0],
                 0x4A5058,
             ),

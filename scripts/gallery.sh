@@ -75,15 +75,16 @@ show single_feather feather_angle_0 --size 240x320 --feather macaw_blue --camera
 show single_feather feather_angle_40 --size 240x320 --feather macaw_blue --camera full --turn 40
 show single_feather feather_angle_75 --size 240x320 --feather macaw_blue --camera full --turn 75
 show single_feather feather_angle_180 --size 240x320 --feather macaw_blue --camera full --turn 180
-# Thin layers: four feathers, and a pigeon's turned from 0 to 75 degrees.
+# Thin layers: four feathers, and a rock dove's neck from all sides in the same light.
 for feather in peacock_eye mallard_speculum pigeon_neck hummingbird_gorget; do
     show single_feather "iridescent_$feather" --size 240x320 --feather "$feather" --camera full
 done
 convert "$out"/iridescent_{peacock_eye,mallard_speculum,pigeon_neck,hummingbird_gorget}.png +append "$out/iridescent.png"
-for angle in 0 15 30 45 60 75; do
-    show single_feather "iridescent_at_$angle" --size 200x300 --feather pigeon_neck --camera full --turn "$angle"
+show pigeon pigeon --size 560x560
+for angle in -36 -12 12 36 60; do
+    show pigeon "iridescent_at_$angle" --size 180x260 --turn "$angle"
 done
-convert "$out"/iridescent_at_{0,15,30,45,60,75}.png +append "$out/iridescent_turn.png"
+convert "$out"/iridescent_at_{-36,-12,12,36,60}.png +append "$out/iridescent_turn.png"
 rm "$out"/iridescent_*_*.png "$out"/stats/iridescent_*.json
 echo "gallery: curves, and the same feather as the plugin draws it"
 ${CARGO:-cargo} run -q -p plumage_tools --bin explicit_curves -- "$out"

@@ -24,7 +24,10 @@
 #import bevy_plumage::scattering::fibre_energy_split
 #endif
 #ifdef IRIDESCENT
-#import bevy_plumage::feather_iridescence::{shimmer_let_in, shimmer_let_in_short, shimmer_lobe, shimmer_mirror, shimmer_of}
+#import bevy_plumage::feather_iridescence::{
+    ONE_LOOK, Shimmer, shimmer_let_in, shimmer_let_in_short, shimmer_lobe, shimmer_mirror, shimmer_of, shimmer_reflected,
+    shimmer_roughness,
+}
 #endif
 #ifdef SAMPLED_ENVIRONMENT
 #import bevy_plumage::feather_environment::sampled_environment
@@ -101,6 +104,16 @@ fn read_part(base: u32, part: u32, tangent: vec2<f32>, frame: Frame) -> Part {
         eye,
     );
 }
+
+#ifdef IRIDESCENT
+// The prefiltered map where one family's sides mirror the eye; `eye`: in the fibre's frame.
+fn family_light(seen: light::Fragment, side: vec3<f32>, frame: Frame, tangent: vec2<f32>, shimmer: Shimmer, eye: vec3<f32>) -> vec3<f32> {
+    let m = shimmer_reflected(shimmer, eye);
+    let local = vec3(m.x * tangent + m.y * frame.hand * vec2(tangent.y, -tangent.x), m.z);
+    let there = local.x * frame.across + local.y * frame.along + local.z * frame.normal;
+    return light::environment(seen, side, there, shimmer_roughness(shimmer.facets.flatness, shimmer.facets.slope)).radiance;
+}
+#endif
 
 #ifdef PLAIN_FIBRES
 // The fibre of one component from its short table, prepared for the lights.
@@ -243,7 +256,7 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
     let open = 1.0 - settings.shelter * (1.0 - smoothstep(0.05, 0.8, in.uv.y));
     let reflected = reflect(-frame.eye, eye_side);
 #ifdef IRIDESCENT
-    // One look into the map for all mirrors of the vane: thin layers are the brightest.
+    // Of all mirrors of a vane thin layers are the brightest.
     let vane_barb = fibre_tangent(BARB, angles, covered.right, slope, shape.x);
     let mirror = shimmer_mirror(base, vane_barb, angles);
     let mirror_normal = mirror.x * frame.across + mirror.y * frame.along + mirror.z * frame.normal;
@@ -352,7 +365,11 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
                 let everywhere = 0.5 * (around.irradiance + behind.irradiance);
                 radiance += (indirect + again * everywhere) * open;
 #ifdef IRIDESCENT
-                radiance += shimmer.energy * before.x * around.radiance * open;
+                var mirrored = around.radiance;
+                if (!ONE_LOOK && shimmer.share > 0.0) {
+                    mirrored = family_light(seen, eye_side, frame, tangent, shimmer, in_fibre(tangent, frame.hand, frame.local_eye));
+                }
+                radiance += shimmer.energy * before.x * mirrored * open;
 #endif
                 passed += weight;
             }

@@ -21,6 +21,15 @@ const PLAIN_ROUGHNESS: f32 = 0.6;
 // Texels of what an eye sees, for one thickness.
 const SEEN_TEXELS: u32 = SEEN_STEPS * SEEN_STEPS;
 
+// FAR and MEAN cards look once into the prefiltered map for a whole vane, others for each family of barbules.
+#ifdef ONLY_FAR
+const ONE_LOOK: bool = true;
+#else ifdef ONLY_MEAN
+const ONE_LOOK: bool = true;
+#else
+const ONE_LOOK: bool = false;
+#endif
+
 struct Shimmer {
     // Share of the barbule's surface that has layers, 0..1.
     share: f32,
@@ -138,11 +147,26 @@ fn shimmer_lobe(shimmer: Shimmer, sum: vec3<f32>) -> vec3<f32> {
     return shimmer.share * facet_evaluate(shimmer.facets, shimmer.area, half_way) * color;
 }
 
+// Perceptual roughness of a prefiltered map as wide as the lobe: half of the light of an ellipse lies within atan(0.58 a) on either
+// side.
+fn shimmer_roughness(flatness: f32, slope: f32) -> f32 {
+    return min(sqrt(length(vec2(0.58 * flatness, slope))), 1.0);
+}
+
+// Where the middle of a family's side mirrors the eye; both in the fibre's frame.
+fn shimmer_reflected(shimmer: Shimmer, eye: vec3<f32>) -> vec3<f32> {
+    let m = facet_turn(eye, shimmer.rise, shimmer.lean) * vec3(-1.0, -1.0, 1.0);
+    // The turn backwards: first the lean, then the rise.
+    let up = m.z * shimmer.lean.y - m.y * shimmer.lean.x;
+    let across = m.y * shimmer.lean.y + m.z * shimmer.lean.x;
+    return vec3(m.x * shimmer.rise.y - up * shimmer.rise.x, across, up * shimmer.rise.y + m.x * shimmer.rise.x);
+}
+
 // The mirror of a vane, for the prefiltered map: mean normal of the sides of both families, in the card, and perceptual roughness.
 // `barb`: direction of the barbs, `angles`: of data::LEFT_VANE.
 fn shimmer_mirror(base: u32, barb: vec2<f32>, angles: vec4<f32>) -> vec4<f32> {
     let at = u32(feather_at(base + data::SHEEN).z);
-    if (at == 0u) {
+    if (!ONE_LOOK || at == 0u) {
         return vec4(0.0, 0.0, 1.0, PLAIN_ROUGHNESS);
     }
     let side = feather_at(at + data::STACK_SIDE);
@@ -150,6 +174,5 @@ fn shimmer_mirror(base: u32, barb: vec2<f32>, angles: vec4<f32>) -> vec4<f32> {
     // Both families lean to the tip of the barb and rise along themselves; what they do across it cancels.
     let lean = turn.z * angles.z - turn.x * turn.w * angles.w;
     let normal = normalize(vec3(lean * barb, turn.y * turn.w));
-    // As wide as the lobe: half of the light of an ellipse lies within atan(0.58 a) on either side.
-    return vec4(normal, min(sqrt(length(vec2(0.58 * side.x, side.y))), 1.0));
+    return vec4(normal, shimmer_roughness(side.x, side.y));
 }

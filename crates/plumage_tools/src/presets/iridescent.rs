@@ -51,21 +51,21 @@ const fn ring(half: [f32; 2], above: f32, scale: f32) -> Ring {
 
 /// From the outermost to the pupil; sizes of an eye of 45 mm, thicknesses so that the colors come out.
 const RINGS: [Ring; 6] = [
-    ring([31.0, 33.0], 4.0, 1.02),
-    ring([28.0, 30.0], 4.0, 1.08),
-    ring([25.0, 27.0], 3.5, 1.0),
-    ring([22.0, 23.5], 3.0, 1.2),
-    ring([13.5, 14.5], 0.5, 0.955),
-    ring([8.5, 9.5], -2.5, 0.84),
+    ring([34.0, 37.0], 4.0, 1.06),
+    ring([30.5, 33.0], 4.0, 1.0),
+    ring([27.0, 29.5], 3.5, 1.1),
+    ring([24.5, 26.5], 3.0, 1.22),
+    ring([15.0, 16.5], 0.5, 0.95),
+    ring([9.5, 10.5], -1.5, 0.845),
 ];
 /// Beyond all rings.
 const LOOSE: f32 = 1.08;
 /// Height, in lengths, up to which the barbules do not hook.
 const LOOSE_BELOW: f32 = 0.56;
 /// Over this distance one zone becomes the next, mm.
-const SOFT_EDGE: f32 = 1.6;
+const SOFT_EDGE: f32 = 2.6;
 /// Depth and width of the pupil's notch on the side of the shaft's root, as shares of its half axes.
-const NOTCH: [f32; 2] = [0.45, 0.4];
+const NOTCH: [f32; 2] = [0.7, 0.45];
 /// Middle of the eye below the tip, mm.
 const EYE_BELOW_TIP: f32 = 45.0;
 
@@ -140,17 +140,17 @@ pub(super) fn all() -> Vec<Feather> {
         left: EYE,
         right: EYE,
         micro: Micro {
-            pitch: [1.4; 2],
+            pitch: [1.7; 2],
             angle: [40.0; 2],
             ramus: 110.0,
-            spacing: [34.0, 36.0],
+            spacing: [40.0, 42.0],
             barbule_angle: [52.0, 50.0],
             radius: [10.5, 10.0],
-            shaft: [1.8, 1.0, 0.2],
+            shaft: [1.8, 0.8, 0.12],
             downy: 0.0,
         },
         fringe: 0.45,
-        gaps: gaps(48, 0.005, 0.5, 72),
+        gaps: gaps(64, 0.008, 0.72, 72),
         albedo: both(stops(&[(0.0, DARK, 0.0), (1.0, DARK, 0.0)])),
         ..neck.clone()
     };

@@ -103,13 +103,17 @@ fn bit_of(stage: ShaderStage) -> u32 {
     }
 }
 
+/// The code of every stage as naga translates it, by the pipeline's name.
+type Code = BTreeMap<(String, u32), Vec<u32>>;
+
 /// Compiles the pipelines with the WGSL of a folder.
 fn measure(
     args: &Args,
     shaders: &Path,
     pipelines: &[Pipeline],
     folder: &Path,
-) -> Result<(String, Vec<Row>)> {
+) -> Result<(String, Vec<Row>, Code)> {
+    let mut code = Code::new();
     let mut folders = bevy_folders()?;
     folders.push(shaders.to_owned());
     let mut libraries = [
@@ -134,6 +138,7 @@ fn measure(
                 .compile(&stage.file, stage.kind, stage.entry, &stage.defs)
                 .map_err(|error| format!("{}: {error}", pipeline.name))?;
             let bit = bit_of(stage.kind);
+            code.insert((pipeline.name.clone(), bit), made.words.clone());
             if known.insert(made.words.clone(), name.clone()).is_none() {
                 fresh.push((name.clone(), bit));
             }
@@ -169,7 +174,26 @@ fn measure(
             figures,
         })
     });
-    Ok((device, rows.collect::<Result<_>>()?))
+    Ok((device, rows.collect::<Result<_>>()?, code))
+}
+
+/// Which stages are the same to the bit in both states of the WGSL, in words.
+fn same_code(before: &Code, now: &Code) -> String {
+    let differs = |stage: &&(String, u32)| before.get(*stage) != now.get(*stage);
+    let others: Vec<String> = now
+        .keys()
+        .filter(differs)
+        .map(|(name, stage)| match stage {
+            1 => format!("{name}, vertices"),
+            _ => name.clone(),
+        })
+        .collect();
+    format!(
+        "\nThe SPIR-V of {} of {} stages is the same to the bit as before. Others: {}.\n",
+        now.len() - others.len(),
+        now.len(),
+        others.join("; "),
+    )
 }
 
 /// Lanes of a wave.
@@ -226,19 +250,23 @@ fn main() -> Result<()> {
         .clone()
         .unwrap_or_else(|| root().join("src/shaders"));
     let before = match &args.before {
-        Some(old) => Some(measure(&args, old, &pipelines, &folder)?.1),
+        Some(old) => Some(measure(&args, old, &pipelines, &folder)?),
         None => None,
     };
-    let (device, rows) = measure(&args, &shaders, &pipelines, &folder)?;
+    let (device, rows, code) = measure(&args, &shaders, &pipelines, &folder)?;
     let date = output_of("date", &["+%F"])?;
     let commit = output_of("git", &["describe", "--always", "--dirty", "--exclude=*"])
         .unwrap_or_else(|_| "unknown".into());
+    let same = before
+        .as_ref()
+        .map_or(String::new(), |(_, _, before)| same_code(before, &code));
+    let before = before.map(|(_, rows, _)| rows);
     let text = format!(
         "# Pipelines as a GPU's compiler makes them, {date}, commit {commit}\n\n\
          `make gpu-cost`: {device}, no hardware. Vector registers a lane (256 at most) and those spilled to memory, scratch memory with indexed arrays; \
          waves of 64 lanes per SIMD; a slot is one instruction of a lane, transcendentals and 32-bit products 4, loops counted once. \
          Vertex stages appear with the first pipeline that has them.\n\n{}",
-        table(before.as_deref(), &rows)?
+        table(before.as_deref(), &rows)? + &same
     );
     print!("{text}");
     if args.save {

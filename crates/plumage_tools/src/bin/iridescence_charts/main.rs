@@ -211,7 +211,7 @@ fn forms(folder: &Path, truths: &[Truth]) -> Result<()> {
 /// Rows of a table over the thickness: what lies between them.
 fn scales(folder: &Path) -> Result<()> {
     let names = ["peacock_green", "bronzewing"];
-    let range = [0.8, 1.25];
+    let range: [f64; 2] = [0.8, 1.25];
     let mut curves: Vec<Curve> = Vec::new();
     for (name, layers) in stacks() {
         if !names.contains(&name.as_str()) {
@@ -219,7 +219,7 @@ fn scales(folder: &Path) -> Result<()> {
         }
         // Places between the rows of every table.
         let places: Vec<f64> = (0..12)
-            .map(|i| range[0] * (range[1] / range[0] as f64).powf((f64::from(i) + 0.37) / 12.0))
+            .map(|i| range[0] * (range[1] / range[0]).powf((f64::from(i) + 0.37) / 12.0))
             .collect();
         let truths: Vec<Truth> = places
             .par_iter()
