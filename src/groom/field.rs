@@ -96,7 +96,7 @@ impl<'a> Field<'a> {
     }
 
     /// Whether anything changes the number of feathers.
-    pub(super) fn is_uneven(&self) -> bool {
+    fn is_uneven(&self) -> bool {
         !self.paint.is_empty() || !self.skin.masks.density.is_empty()
     }
 

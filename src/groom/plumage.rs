@@ -191,6 +191,10 @@ fn start(
         };
         let masks = parts.masks(&target.meshes);
         let authored = parts.find(owner, target.mesh);
+        // Curves are there to be followed, not to be seen.
+        for curve in parts.curves(owner) {
+            commands.entity(curve).insert(Visibility::Hidden);
+        }
         let key = CoatKey {
             authored: FixedHasher.hash_one(format!("{masks:?} {authored:?}")),
             groom: plumage.groom.id(),

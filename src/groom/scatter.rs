@@ -27,7 +27,8 @@ pub fn scatter(
     }
     // Paint is laid over rows, too: they become blue noise where it changes their number.
     if let Placement::Rows(rows) = region.placement
-        && !field.is_uneven()
+        && field.skin.masks.density.is_empty()
+        && field.paint_scale(region) == 1.0
     {
         let follicles = lattice::rows(field, region, rows as usize, count, seed);
         if follicles.len() == count {

@@ -147,6 +147,14 @@ pub fn cards(path: PathBuf) -> (Vec<Card>, PlumageState, Vec<CardRegion>) {
             state.is_ready()
         })
     });
+    let mut drawn = app.world_mut().query::<(&Mesh3d, &Visibility)>();
+    let meshes = app.world().resource::<Assets<Mesh>>();
+    for (mesh, visibility) in drawn.iter(app.world()) {
+        let lines = meshes.get(&mesh.0).map(|mesh| mesh.primitive_topology());
+        if lines == Some(bevy::mesh::PrimitiveTopology::LineList) {
+            assert_eq!(*visibility, Visibility::Hidden, "curves are not to be seen");
+        }
+    }
     let world = app.world();
     let parts = world.get::<PlumageParts>(bird).expect("parts");
     let cards = world.get::<PlumageCards>(parts[0]).expect("cards");

@@ -10,7 +10,7 @@ use plumage_tests::{
 /// Largest share of bare skin.
 const ALLOWED: f32 = 0.005;
 /// Side of a picture, pixels.
-const SIDE: u32 = 192;
+const SIDE: u32 = 128;
 
 /// Grows, paints and counts; `pose` moves it to a phase, 0..1.
 fn measure(

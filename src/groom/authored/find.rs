@@ -37,13 +37,7 @@ impl AuthoredParts<'_, '_> {
         let to_skin = self.place(owner, skin).inverse();
         let mut authored = Authored::default();
         for entity in self.children.iter_descendants(owner) {
-            if let Ok(mesh) = self.lines.get(entity)
-                && let Some(mesh) = self.assets.get(&mesh.0)
-                && matches!(
-                    mesh.primitive_topology(),
-                    PrimitiveTopology::LineList | PrimitiveTopology::LineStrip
-                )
-            {
+            if let Some(mesh) = self.curve(entity) {
                 let to_skin = to_skin * self.place(owner, entity);
                 let extras = self.extras_of(entity);
                 let guide = |points: Vec<Vec3>| AuthoredGuide {
@@ -71,6 +65,24 @@ impl AuthoredParts<'_, '_> {
             row.stations.sort_by(|a, b| at(a).total_cmp(&at(b)));
         }
         authored
+    }
+
+    /// Entities below `owner` whose meshes are curves.
+    pub(in crate::groom) fn curves(&self, owner: Entity) -> Vec<Entity> {
+        let below = self.children.iter_descendants(owner);
+        below
+            .filter(|entity| self.curve(*entity).is_some())
+            .collect()
+    }
+
+    /// The mesh of an entity, if it is made of lines.
+    fn curve(&self, entity: Entity) -> Option<&Mesh> {
+        let mesh = self.assets.get(&self.lines.get(entity).ok()?.0)?;
+        matches!(
+            mesh.primitive_topology(),
+            PrimitiveTopology::LineList | PrimitiveTopology::LineStrip
+        )
+        .then_some(mesh)
     }
 
     /// From an entity's space to that of the owner, by what stands in the file: nothing may have been propagated yet.
