@@ -54,18 +54,18 @@ struct Bounds {
 const BOUNDS: [Bounds; 2] = [
     Bounds {
         name: "parrot",
-        quiet: [(5.1, 2.0), (1.15, 0.58)],
-        stretch: (3.38, [(13.9, 3.8), (6.1, 2.15)]),
+        quiet: [(3.75, 1.15), (0.85, 0.33)],
+        stretch: (3.38, [(2.8, 0.7), (0.56, 0.2)]),
     },
     Bounds {
         name: "eagle",
-        quiet: [(7.9, 1.35), (2.0, 0.39)],
-        stretch: (4.05, [(15.6, 2.3), (6.6, 1.6)]),
+        quiet: [(6.8, 0.72), (2.0, 0.35)],
+        stretch: (4.05, [(6.9, 1.0), (2.4, 0.52)]),
     },
 ];
 
 /// Flicker per 1/30 s while the bird is quiet, by depth alone and with the usual window.
-const FLICKER: [f32; 2] = [0.26, 0.12];
+const FLICKER: [f32; 2] = [0.13, 0.06];
 /// Pixels of the body that the window paints over.
 const PAINTED: f32 = 0.2;
 
