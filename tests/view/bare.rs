@@ -18,7 +18,7 @@ fn measure(
     name: &str,
     stage: &mut Stage,
     owner: Entity,
-    phases: Range<usize>,
+    phases: Range<u32>,
     mut pose: impl FnMut(&mut Stage, f32),
 ) -> Bare {
     let subject = Subject::still(owner);
@@ -52,7 +52,7 @@ fn turn(owner: Entity) -> impl FnMut(&mut Stage, f32) {
     }
 }
 
-fn awkward_skins(phases: Range<usize>) {
+fn awkward_skins(phases: Range<u32>) {
     let mut shares = Vec::new();
     let Some(mut stage) = Stage::sized(SIDE, SIDE) else {
         return;
