@@ -84,7 +84,7 @@ fn eye_scale(x: f32, y: f32) -> f32 {
 
 /// The rings over the card of a feather.
 fn eye_rings(feather: &Feather) -> ScaleMap {
-    let [columns, rows] = [44, 64];
+    let [columns, rows] = [35, 51];
     let shaft = Spline::new(&feather.rachis.curve);
     let factor = |i: usize| {
         let u = (i % columns) as f32 / (columns - 1) as f32;
