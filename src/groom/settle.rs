@@ -6,7 +6,7 @@
 //! and half by the lower. Lifting only the upper would part each pair at once, but where feathers overlap from head to tail the
 //! lifts add up without end. The skin is the floor.
 //!
-//! Every pose has heights of its own ([`super::worn`] says which a bird wears): feathers that lie upon each other in the folded wing
+//! Every pose has heights of its own ([`super::WornPoses`] says which a bird wears): feathers that lie upon each other in the folded wing
 //! are drawn apart by the open one, and lie upon others. Those of later poses begin at those of the first.
 
 use super::{
