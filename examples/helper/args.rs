@@ -195,9 +195,9 @@ pub struct Args {
     /// Picture to write; NAME.png when absent.
     #[arg(long, help_heading = "Off screen")]
     pub output: Option<PathBuf>,
-    /// Frames to render once everything is loaded.
-    #[arg(long, default_value_t = 2, help_heading = "Off screen")]
-    pub frames: u32,
+    /// Frames to time before the picture is taken; 2 with `--stats` or `--bench`, otherwise none.
+    #[arg(long, help_heading = "Off screen")]
+    pub frames: Option<u32>,
     /// Average this many frames, each from another place in the pixel, on the lens and on the sun: a picture without noise. The
     /// animation stands still.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536), help_heading = "Off screen")]
