@@ -219,6 +219,9 @@ pub struct Args {
     /// `single_feather`: a file of `assets/feathers`, without its ending.
     #[arg(long, default_value = "macaw_primary", help_heading = "Subject")]
     pub feather: String,
+    /// `single_feather`: as many by as many copies, each that much smaller, in the place of one.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64), help_heading = "Subject")]
+    pub copies: u32,
     /// `single_feather`: a photograph to make a feather of and to show beside it (feature `photo`).
     #[arg(long, help_heading = "Subject")]
     pub photo: Option<PathBuf>,
