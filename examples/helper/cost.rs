@@ -71,7 +71,8 @@ pub fn run(app: &mut App, rounds: u32, name: &str) {
     let adapter = &app.world().resource::<RenderAdapterInfo>().name;
     println!(
         "{name}: pass of {rounds} frames each on {adapter}: nothing {none:.2} ms, feather {without:.2} ms, with thin layers \
-         {with:.2} ms: {:+.1} % of the feather's own time",
+         {with:.2} ms: {:+.1} % of the feather's own time; cards: {}",
         100.0 * (with - without) / (without - none),
+        cards.join(", "),
     );
 }
