@@ -1,10 +1,11 @@
 //! One photograph becomes a feather: writes `NAME.feather.ron`, `NAME_albedo.png` and `NAME_overlay.png`.
 //!
-//! `cargo run --features photo --example photo -- photo.jpg [--out DIR] [--scale-mm N] [--front|--back]`; leaves
-//! with an error code when a photograph gave no feather.
+//! `cargo run --features photo --example photo -- photo.jpg [--out DIR] [--scale-mm N] [--front|--back] [--object N]`;
+//! leaves with an error code when a photograph gave no feather.
 
 use bevy_plumage::photo::{
-    AlbedoFilter, ExtractError, ExtractSettings, Extraction, Face, extract, load_photograph,
+    AlbedoFilter, ExtractError, ExtractSettings, Extraction, Face, ObjectChoice, extract,
+    load_photograph,
 };
 use clap::Parser;
 use std::{
@@ -31,6 +32,9 @@ struct Args {
     /// The photograph shows the face towards the body.
     #[arg(long)]
     back: bool,
+    /// Of several feathers in the picture the one of this number, from left to right as the message lists them.
+    #[arg(long, value_name = "N")]
+    object: Option<u32>,
     /// Longest side in pixels of the view that is analysed.
     #[arg(long, default_value_t = ExtractSettings::default().resolution)]
     resolution: u32,
@@ -52,6 +56,9 @@ fn main() -> ExitCode {
     for path in &args.photographs {
         if let Err(error) = one(path, &args) {
             eprintln!("{}: {error}", path.display());
+            if matches!(error, ExtractError::SeveralObjects { .. }) {
+                eprintln!("`--object N` takes one of them");
+            }
             failed = true;
         }
     }
@@ -72,6 +79,7 @@ fn one(path: &Path, args: &Args) -> Result<(), ExtractError> {
         } else {
             Face::Front
         },
+        object: args.object.map_or(ObjectChoice::Only, ObjectChoice::Number),
         length_mm: args.scale_mm,
         resolution: args.resolution,
         albedo: if args.low_pass {

@@ -16,7 +16,7 @@ use bevy::{
     prelude::*,
     world_serialization::{WorldAssetRoot, WorldInstanceReady},
 };
-use bevy_plumage::prelude::*;
+use bevy_plumage::{PlumageMasks, prelude::*};
 use helper::{Args, camera::Shots, scene::Idle};
 
 /// Moments of its animation at which the model is measured.
@@ -143,6 +143,7 @@ fn dress(
             Plumage::default()
                 .with_seed(args.seed)
                 .with_density(args.density.unwrap_or(1.0)),
+            PlumageMasks(args.mask.clone()),
             args.quality(FeatherTransparency::default()),
         ));
     }

@@ -83,10 +83,11 @@ pub use anatomy::{
 };
 pub use asset::{AssetError, AssetLink, RonAsset, RonLoader, RonSaver};
 pub use groom::{
-    Card, CardGeometry, CardRegion, Dab, FanJoint, FanJoints, FeathersOf, Groom, GroomError,
-    GroomPlugin, Guide, Jitter, JointPose, JointWeight, KeyPose, NotSkin, Placement, Plumage,
-    PlumageCards, PlumageFailed, PlumageParts, PlumageReady, PlumageState, PlumageSystems, Region,
-    Row, Segments, Select, SkinFlaw, SkinMasks, Span, Station, Tint,
+    Card, CardGeometry, CardRegion, Channel, Dab, FanJoint, FanJoints, FeathersOf, Groom,
+    GroomError, GroomPlugin, Guide, Jitter, JointPose, JointWeight, KeyPose, MaskFlaw, MaskTexture,
+    MaskValues, NotSkin, Placement, Plumage, PlumageCards, PlumageFailed, PlumageMasks,
+    PlumageParts, PlumageReady, PlumageState, PlumageSystems, Region, Row, Segments, Select,
+    SkinFlaw, SkinMasks, Span, Station, Tint,
 };
 pub use maths::scattering::interference::{Base, Iridescence, ScaleMap, Structure};
 pub use maths::scattering::{Fibre, FibreKind, Optics, Sheen};

@@ -1,7 +1,7 @@
 //! The command line that all examples share.
 
 use bevy::prelude::*;
-use bevy_plumage::{CoverageMethod, prelude::*};
+use bevy_plumage::{Channel, CoverageMethod, MaskTexture, MaskValues, prelude::*};
 use clap::{
     Parser, ValueEnum,
     builder::{PossibleValuesParser, TypedValueParser},
@@ -228,6 +228,10 @@ pub struct Args {
     /// `your_own_mesh`, `fur`: a glTF file.
     #[arg(long, help_heading = "Subject")]
     pub mesh: Option<PathBuf>,
+    /// `your_own_mesh`: a mask painted into a texture, as `density=mask.png` or `lift:green:0:30=mask.png`: what it sets (density,
+    /// length, lift), its channel, and the values at the channel's 0 and at its full value.
+    #[arg(long, value_name = "WHAT=FILE", value_parser = parse_mask, help_heading = "Subject")]
+    pub mask: Vec<MaskTexture>,
     /// Animation of that file that plays.
     #[arg(long, default_value_t = 0, help_heading = "Subject")]
     pub clip: usize,
@@ -250,6 +254,35 @@ fn parse_size(text: &str) -> Result<(u32, u32), String> {
             .ok_or_else(|| format!("`{text}`: a side is 16 to 8192 pixels"))
     };
     Ok((side(width)?, side(height)?))
+}
+
+fn parse_mask(text: &str) -> Result<MaskTexture, String> {
+    let (what, file) = text
+        .split_once('=')
+        .ok_or_else(|| format!("`{text}` is not WHAT=FILE"))?;
+    let mut words = what.split(':');
+    let kind = words.next().unwrap_or_default();
+    let channel = match words.next().unwrap_or("red") {
+        "red" => Channel::Red,
+        "green" => Channel::Green,
+        "blue" => Channel::Blue,
+        "alpha" => Channel::Alpha,
+        other => return Err(format!("`{other}` is not red, green, blue or alpha")),
+    };
+    let mut value = |usual: f32| match words.next() {
+        None => Ok(usual),
+        Some(text) => text
+            .parse::<f32>()
+            .map_err(|_| format!("`{text}` is no number")),
+    };
+    let sets = match kind {
+        "density" => MaskValues::Density(value(0.0)?, value(1.0)?),
+        "length" => MaskValues::Length(value(0.3)?, value(1.0)?),
+        "lift" => MaskValues::Lift(value(0.0)?, value(30.0)?),
+        other => return Err(format!("`{other}` is not density, length or lift")),
+    };
+    let path = std::path::absolute(file).map_err(|error| error.to_string())?;
+    Ok(MaskTexture::new(path.to_string_lossy().into_owned(), sets).with_channel(channel))
 }
 
 impl Args {

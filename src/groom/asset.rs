@@ -4,7 +4,7 @@
 //! bird's left), in units of `unit` metres. Left and right: data is given for the left half; `mirror` repeats it with x negated
 //! and joint names' `_L` turned into `_R`.
 
-use super::pose::KeyPose;
+use super::{mask_textures::MaskTexture, pose::KeyPose};
 use crate::{
     anatomy::{Down, Feather},
     asset::{AssetLink, RonAsset},
@@ -47,6 +47,11 @@ pub struct Groom {
     pub guides: Vec<Guide>,
     /// Rows of feathers on bones: remiges, rectrices and their coverts.
     pub rows: Vec<Row>,
+    /// Masks in textures over the whole skin, at most 16.
+    #[dependency]
+    #[reflect(@Length::new(0, 16))]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub masks: Vec<MaskTexture>,
     /// Touches of a brush on the skin, laid over each other; at most 10,000.
     #[reflect(@Length::new(0, 10_000))]
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -455,6 +460,7 @@ impl Default for Groom {
             regions: Vec::new(),
             guides: Vec::new(),
             rows: Vec::new(),
+            masks: Vec::new(),
             paint: Vec::new(),
             poses: Vec::new(),
         }

@@ -123,6 +123,7 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
         .check_size(density)
         .map_err(|error| error.in_file(&groom.name))?;
     let mut warnings: Vec<String> = skin.flaws.iter().map(ToString::to_string).collect();
+    warnings.extend(skin.mask_flaws.iter().map(ToString::to_string));
     let mut down = Vec::new();
     let mut leaves = regions(bird, groom, seed, density, &mut warnings, &mut down);
     let skinned = !bird.joints.is_empty() && !skin.weights.is_empty();

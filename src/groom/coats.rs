@@ -7,8 +7,9 @@ use super::{
     build::{Bird, Coat, DownTract, groom_bird},
     card::{Card, CardGeometry},
     component::CardRegion,
-    error::GroomError,
+    error::{GroomError, MaskFlaw},
     layer::Crossings,
+    mask_textures::SkinTexture,
     rows::FanJoint,
     skin::{SkinMesh, SurfacePoint},
     worn::WornPoses,
@@ -16,6 +17,7 @@ use super::{
 use bevy::{
     asset::{AssetId, Assets, Handle},
     ecs::prelude::*,
+    image::Image,
     log::{info, warn},
     mesh::Mesh,
     platform::{collections::HashMap, time::Instant},
@@ -35,6 +37,8 @@ pub(super) struct CoatKey {
     pub maps: Vec<Vec<u16>>,
     /// Names of the joints.
     pub joints: Vec<String>,
+    /// Textures of masks.
+    pub textures: Vec<AssetId<Image>>,
     /// Hash of masks, guides and rows of the file.
     pub authored: u64,
 }
@@ -45,6 +49,8 @@ pub(super) struct CoatInput {
     pub meshes: Vec<Mesh>,
     /// Their masks, in order.
     pub masks: Vec<SkinMasks>,
+    /// Masks in textures, and what is wrong with those that are not there.
+    pub textures: (Vec<SkinTexture>, Vec<MaskFlaw>),
     /// Guides and rows of the file.
     pub authored: Authored,
 }
@@ -141,8 +147,11 @@ impl Coats {
             let begun = Instant::now();
             let meshes: Vec<&Mesh> = input.meshes.iter().collect();
             let groomed = SkinMesh::from_meshes(&meshes, &of.maps).and_then(|skin| {
+                let (textures, missing) = input.textures;
+                let mut skin = skin.with_masks(&input.masks).with_textures(textures);
+                skin.mask_flaws.extend(missing);
                 let bird = Bird {
-                    skin: skin.with_masks(&input.masks),
+                    skin,
                     joints: of.joints,
                 };
                 let mut groom = groom.unwrap_or_else(|| Groom::fallback(&bird.skin, &bird.joints));

@@ -93,6 +93,12 @@ impl PlumageState {
     pub fn is_ready(&self) -> bool {
         self.ready
     }
+
+    /// The cards there are no longer belong to it.
+    pub(super) fn regroom(&mut self) {
+        self.ready = false;
+        self.error = None;
+    }
 }
 
 /// The feathers of a [`Plumage`] have grown: its card mesh is spawned, see [`PlumageParts`]. Triggered on the entity with the

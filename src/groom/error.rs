@@ -1,5 +1,6 @@
 //! Why a bird was not groomed.
 
+use super::Channel;
 use crate::asset::AssetError;
 use thiserror::Error;
 
@@ -47,6 +48,62 @@ pub struct SkinFlaw {
     pub range: String,
     /// What is done about it.
     pub mended: &'static str,
+}
+
+/// What is wrong with a mask in a texture. Where it cannot be read it counts as no say.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum MaskFlaw {
+    /// The texture is not there.
+    #[error("mask {file}: the texture did not load, feathers grow without it: {cause}")]
+    NotLoaded {
+        /// The texture.
+        file: String,
+        /// What the asset server said.
+        cause: String,
+    },
+    /// Its format cannot be read on the processor.
+    #[error(
+        "mask {file}: the format {format} cannot be read, feathers grow without it (a PNG serves)"
+    )]
+    Unreadable {
+        /// The texture.
+        file: String,
+        /// Format found.
+        format: String,
+    },
+    /// It has no such channel.
+    #[error(
+        "mask {file}: `channel` is {channel:?}, the texture has only the first {channels}; feathers grow without it"
+    )]
+    NoChannel {
+        /// The texture.
+        file: String,
+        /// Channel asked for.
+        channel: Channel,
+        /// How many it has.
+        channels: u8,
+    },
+    /// The channel has one value everywhere.
+    #[error("mask {file}: channel {channel:?} is {value} everywhere")]
+    Flat {
+        /// The texture.
+        file: String,
+        /// Channel asked for.
+        channel: Channel,
+        /// Its value, 0..1.
+        value: f32,
+    },
+    /// A mesh of the skin says not where the texture lies on it.
+    #[error(
+        "mask {file}: skin {mesh} has no texture coordinates (TEXCOORD_0), feathers grow there without it"
+    )]
+    NoCoordinates {
+        /// The texture.
+        file: String,
+        /// Number of the mesh among those given.
+        mesh: usize,
+    },
 }
 
 impl SkinFlaw {

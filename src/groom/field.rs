@@ -97,7 +97,7 @@ impl<'a> Field<'a> {
 
     /// Whether anything changes the number of feathers.
     fn is_uneven(&self) -> bool {
-        !self.paint.is_empty() || !self.skin.masks.density.is_empty()
+        !self.paint.is_empty() || self.skin.has_density_mask()
     }
 
     /// Relative spacing of the region's feathers at a follicle.
@@ -112,14 +112,14 @@ impl<'a> Field<'a> {
         }
         let (mut plain, mut asked) = (0.0, 0.0);
         for &triangle in self.triangles {
-            let center = self.follicle(SurfacePoint {
-                triangle,
-                bary: Vec3::splat(1.0 / 3.0),
-            });
-            let weight = f64::from(self.skin.areas[triangle as usize])
-                / f64::from(spacing(region, center.phi)).powi(2);
-            plain += weight;
-            asked += weight * f64::from(self.density(&center));
+            let places = self.skin.mask_places(triangle);
+            let area = f64::from(self.skin.areas[triangle as usize]) / places.len() as f64;
+            for place in places {
+                let place = self.follicle(place);
+                let weight = area / f64::from(spacing(region, place.phi)).powi(2);
+                plain += weight;
+                asked += weight * f64::from(self.density(&place));
+            }
         }
         if plain > 0.0 { asked / plain } else { 1.0 }
     }

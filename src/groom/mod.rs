@@ -28,6 +28,8 @@ pub mod lattice;
 pub mod lay;
 pub mod layer;
 mod leaf;
+mod mask_images;
+mod mask_textures;
 pub mod mesh;
 mod nearest;
 pub mod order;
@@ -54,10 +56,12 @@ pub use component::{
     CardRegion, DownTracts, FeathersOf, NotSkin, Plumage, PlumageCards, PlumageFailed,
     PlumageParts, PlumageReady, PlumageState, PlumageSystems, SkinColors,
 };
-pub use error::{GroomError, SkinFlaw};
+pub use error::{GroomError, MaskFlaw, SkinFlaw};
 pub use fan::{FanJoints, fan_rows, fan_transform};
 pub use layer::Crossings;
 pub use leaf::Leaf;
+pub use mask_textures::{Channel, MaskTexture, MaskValues, PlumageMasks, SkinTexture};
+pub(crate) use mask_textures::{address_modes, texel};
 #[cfg(any(feature = "inspector", feature = "internals"))]
 pub use nearest::PointTree;
 pub use plumage::GroomPlugin;

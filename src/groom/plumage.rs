@@ -9,6 +9,8 @@ use super::{
         PlumageReady, PlumageState, PlumageSystems, SkinColors,
     },
     fan::{FanJoints, fan_rows},
+    mask_images::{MaskImages, MaskSource, Masks, follow_masks},
+    mask_textures::PlumageMasks,
     skin_meshes::{SkinMeshes, SkinTarget},
     worn::{Worn, find_worn},
 };
@@ -23,6 +25,7 @@ use bevy::{
     camera::visibility::NoFrustumCulling,
     ecs::{name::Name, prelude::*},
     gltf::extensions::GltfExtensionHandlers,
+    image::Image,
     log::error,
     math::Mat4,
     mesh::{
@@ -37,8 +40,9 @@ use std::hash::BuildHasher;
 
 /// A groom under way.
 #[derive(Component, Default)]
-struct GroomJob {
+pub(super) struct GroomJob {
     feathers: Option<Vec<Handle<Feather>>>,
+    masks: Option<Masks>,
     /// The skin, and the coat that it waits for.
     waits: Option<(SkinTarget, CoatKey)>,
 }
@@ -63,11 +67,19 @@ impl Plugin for GroomPlugin {
             .register_type::<PlumageParts>()
             .register_type::<NotSkin>()
             .register_type::<SkinMasks>()
+            .register_type::<PlumageMasks>()
             .add_observer(drop_removed)
             .add_observer(regroom_lost)
             .add_systems(
                 Update,
-                (request, start, finish, drop_unused)
+                (
+                    request,
+                    // An app without images has no masks in them.
+                    follow_masks.run_if(resource_exists::<Messages<AssetEvent<Image>>>),
+                    start,
+                    finish,
+                    drop_unused,
+                )
                     .chain()
                     .in_set(PlumageSystems::Groom),
             )
@@ -95,7 +107,7 @@ fn drop_removed(remove: On<Remove, Plumage>, mut commands: Commands) {
         if let Ok(mut entity) = world.get_entity_mut(owner) {
             entity
                 .despawn_related::<PlumageParts>()
-                .remove::<(GroomJob, PlumageState)>();
+                .remove::<(GroomJob, MaskImages, PlumageState)>();
         }
     });
 }
@@ -129,8 +141,7 @@ fn request(
     }
     for (entity, plumage, mut state) in &mut birds {
         if plumage.is_changed() || modified.contains(&plumage.groom.id()) {
-            state.ready = false;
-            state.error = None;
+            state.regroom();
             // Replaces a groom under way.
             commands.entity(entity).insert(GroomJob::default());
         }
@@ -154,6 +165,7 @@ fn start(
     feathers: Res<Assets<Feather>>,
     meshes: SkinMeshes,
     parts: AuthoredParts,
+    textures: MaskSource,
     mut coats: ResMut<Coats>,
     mut birds: Query<(Entity, &Plumage, &mut PlumageState, &mut GroomJob)>,
 ) {
@@ -186,6 +198,13 @@ fn start(
         if list.iter().any(|feather| feathers.get(feather).is_none()) {
             continue;
         }
+        let own = job
+            .masks
+            .get_or_insert_with(|| textures.load(owner, plumage, groom));
+        if !textures.are_there(own) {
+            continue;
+        }
+        let own = own.clone();
         let Some((target, input)) = meshes.find(owner) else {
             continue;
         };
@@ -196,7 +215,8 @@ fn start(
             commands.entity(curve).insert(Visibility::Hidden);
         }
         let key = CoatKey {
-            authored: FixedHasher.hash_one(format!("{masks:?} {authored:?}")),
+            authored: FixedHasher.hash_one(format!("{masks:?} {authored:?} {own:?}")),
+            textures: own.iter().map(|(image, _)| image.id()).collect(),
             groom: plumage.groom.id(),
             seed: plumage.seed,
             density: plumage.density.to_bits(),
@@ -207,8 +227,11 @@ fn start(
         coats.begin(&key, groom, || CoatInput {
             meshes: meshes.copies(&key.meshes),
             masks,
+            textures: textures.copies(&own),
             authored,
         });
+        let images = own.into_iter().map(|(image, _)| image).collect();
+        commands.entity(owner).insert(MaskImages(images));
         job.waits = Some((target, key));
     }
 }

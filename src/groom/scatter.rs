@@ -12,6 +12,8 @@ use bevy::math::Vec3;
 
 /// Candidates per feather kept.
 const OVERSAMPLING: usize = 5;
+/// Draws until a candidate falls where a texture wants feathers.
+const TRIES: usize = 24;
 
 /// Fills a region with `count` follicles. `placed` are the follicles of other regions: those outside this region keep their
 /// distance across the border.
@@ -27,7 +29,7 @@ pub fn scatter(
     }
     // Paint is laid over rows, too: they become blue noise where it changes their number.
     if let Placement::Rows(rows) = region.placement
-        && field.skin.masks.density.is_empty()
+        && !field.skin.has_density_mask()
         && field.paint_scale(region) == 1.0
     {
         let follicles = lattice::rows(field, region, rows as usize, count, seed);
@@ -42,16 +44,18 @@ pub fn scatter(
 
 /// Systematic sampling over the triangles, by area over spacing squared.
 fn candidates(field: &Field, region: &Region, count: usize, stream: &mut Stream) -> Vec<Follicle> {
+    let textured = field.skin.has_density_texture();
+    let square = |at: SurfacePoint| f64::from(field.spacing(region, &field.follicle(at))).powi(2);
     let density = |triangle: u32| {
-        let center = field.follicle(SurfacePoint {
-            triangle,
-            bary: Vec3::splat(1.0 / 3.0),
-        });
-        if !corners_wanted(field, triangle) {
+        let places = field.skin.mask_places(triangle);
+        let area = f64::from(field.skin.areas[triangle as usize]) / places.len() as f64;
+        if !textured && !corners_wanted(field, triangle) {
             return 0.0;
         }
-        let spacing = field.spacing(region, &center);
-        f64::from(field.skin.areas[triangle as usize]) / f64::from(spacing).powi(2)
+        let wanted = places
+            .into_iter()
+            .filter(|at| !textured || field.wants(*at));
+        wanted.map(|at| area / square(at)).sum()
     };
     let weights: Vec<f64> = field
         .triangles
@@ -64,11 +68,22 @@ fn candidates(field: &Field, region: &Region, count: usize, stream: &mut Stream)
     let last = field.triangles.len() - 1;
     for (i, (&triangle, weight)) in field.triangles.iter().zip(&weights).enumerate() {
         reached += weight;
+        let most = if textured && *weight > 0.0 {
+            let places = field.skin.mask_places(triangle).into_iter();
+            places.map(|at| square(at).recip()).fold(0.0, f64::max)
+        } else {
+            0.0
+        };
         while reached_count < count && (i == last || (reached_count as f64 + 0.5) * step < reached)
         {
-            let (root, split) = (stream.uniform().sqrt(), stream.uniform());
-            let bary = Vec3::new(1.0 - root, root * (1.0 - split), root * split);
-            let at = SurfacePoint { triangle, bary };
+            let mut at = anywhere(triangle, stream);
+            // A texture may be finer than the triangle: more where it asks for more.
+            for _ in 0..if textured { TRIES } else { 0 } {
+                if field.wants(at) && f64::from(stream.uniform()) * most < square(at).recip() {
+                    break;
+                }
+                at = anywhere(triangle, stream);
+            }
             reached_count += 1;
             if field.wants(at) {
                 list.push(field.follicle(at));
@@ -76,6 +91,13 @@ fn candidates(field: &Field, region: &Region, count: usize, stream: &mut Stream)
         }
     }
     list
+}
+
+/// A point of a triangle, any alike.
+fn anywhere(triangle: u32, stream: &mut Stream) -> SurfacePoint {
+    let (root, split) = (stream.uniform().sqrt(), stream.uniform());
+    let bary = Vec3::new(1.0 - root, root * (1.0 - split), root * split);
+    SurfacePoint { triangle, bary }
 }
 
 /// Whether a mask wants feathers at any corner of a triangle.

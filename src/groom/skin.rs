@@ -5,7 +5,8 @@
 
 use super::{
     authored::SkinMasks,
-    error::{GroomError, SkinFlaw},
+    error::{GroomError, MaskFlaw, SkinFlaw},
+    mask_textures::SkinTexture,
 };
 use bevy::{
     math::Vec3,
@@ -45,8 +46,14 @@ pub struct SkinMesh {
     pub weights: Vec<Weights>,
     /// What the vertices say about feathers, see [`SkinMesh::with_masks`].
     pub masks: SkinMasks,
+    /// Masks in textures, see [`SkinMesh::with_textures`].
+    pub textures: Vec<SkinTexture>,
+    /// Numbers of the meshes without texture coordinates.
+    pub without_uvs: Vec<usize>,
     /// What was wrong with the meshes without being fatal.
     pub flaws: Vec<SkinFlaw>,
+    /// What was wrong with masks in textures.
+    pub mask_flaws: Vec<MaskFlaw>,
     /// Triangles that have an area.
     pub triangles: Vec<[u32; 3]>,
     /// Area of each triangle.
@@ -149,6 +156,9 @@ impl SkinMesh {
                     .extend((0..count).map(|i| values.get(i).copied().unwrap_or([1.0; 3])));
             }
             let uvs = floats::<2>(mesh, Mesh::ATTRIBUTE_UV_0).unwrap_or_default();
+            if uvs.is_empty() {
+                skin.without_uvs.push(number);
+            }
             skin.uvs
                 .extend((0..count).map(|i| uvs.get(i).copied().unwrap_or_default()));
             skin.first_vertices.push(base);

@@ -107,6 +107,7 @@ impl From<Groom> for asset::Groom {
             guides: old.guides,
             rows: old.rows.into_iter().map(Into::into).collect(),
             paint: old.paint,
+            masks: Vec::new(),
             poses: Vec::new(),
         }
     }

@@ -48,6 +48,10 @@ impl RonAsset for Groom {
                 return Err(AssetError::value(field, "\"\"", "an asset path"));
             }
         }
+        if let Some(i) = self.masks.iter().position(|mask| mask.texture.is_empty()) {
+            let field = format_args!("masks[{i}].texture").to_string();
+            return Err(AssetError::value(field, "\"\"", "an asset path"));
+        }
         for (i, guide) in self.guides.iter().enumerate() {
             let known = |name: &String| self.regions.iter().any(|region| &region.name == name);
             if let Some(name) = guide.regions.iter().find(|name| !known(name)) {
@@ -65,6 +69,10 @@ impl RonAsset for Groom {
     fn load_dependencies(&mut self, context: &mut LoadContext<'_>) -> Result<(), AssetError> {
         for (i, feather) in self.feathers.iter_mut().enumerate() {
             feather.load_dependency(|| format!("feathers[{i}]"), context)?;
+        }
+        for (i, mask) in self.masks.iter_mut().enumerate() {
+            let field = || format!("masks[{i}].texture");
+            mask.texture.load_dependency(field, context)?;
         }
         for (i, region) in self.regions.iter_mut().enumerate() {
             if let Some(down) = &mut region.down {

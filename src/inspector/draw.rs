@@ -195,6 +195,8 @@ fn file_of(
 }
 
 fn feather_tab(ui: &mut egui::Ui, inspector: &mut Inspector, world: &mut World) {
+    #[cfg(feature = "photo")]
+    super::photo::photo_panel(ui, &mut inspector.photos, inspector.feather);
     let worn = choices(inspector, world);
     if inspector
         .feather

@@ -1,12 +1,14 @@
 //! A photograph dropped on the window becomes a feather.
 
-use super::{photo::Photo, state::Inspector};
+use super::{
+    photo::Photo,
+    state::{Inspector, Tab},
+};
 use crate::{anatomy::Feather, photo::Extraction};
 use bevy::{
     asset::RenderAssetUsages,
     prelude::*,
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},
-    tasks::{block_on, poll_once},
     window::FileDragAndDrop,
 };
 
@@ -20,35 +22,18 @@ pub(super) fn follow_photos(
     for event in dropped.read() {
         if let FileDragAndDrop::DroppedFile { path_buf, .. } = event {
             inspector.photos.begin(path_buf.clone());
+            inspector.tab = Tab::Feather;
         }
     }
-    let mut finished = Vec::new();
-    inspector
-        .photos
-        .jobs
-        .retain_mut(|job| match block_on(poll_once(&mut job.task)) {
-            Some(result) => {
-                finished.push((job.file.clone(), result));
-                false
-            }
-            None => true,
+    for extraction in inspector.photos.poll() {
+        let mut feather = extraction.feather.clone();
+        feather.image = Some(images.add(image_of(&extraction)));
+        let handle = feathers.add(feather);
+        inspector.feather = Some(handle.id());
+        inspector.photos.done.push(Photo {
+            feather: handle,
+            extraction,
         });
-    for (file, result) in finished {
-        match result {
-            Ok(extraction) => {
-                let mut feather = extraction.feather.clone();
-                feather.image = Some(images.add(image_of(&extraction)));
-                let handle = feathers.add(feather);
-                inspector.feather = Some(handle.id());
-                inspector.photos.done.push(Photo {
-                    feather: handle,
-                    extraction,
-                });
-            }
-            Err(error) => {
-                inspector.photos.error = Some(format!("{}: {error}", file.display()));
-            }
-        }
     }
 }
 

@@ -52,7 +52,7 @@ pub use panels::{
     lobe_plot, pattern_editor, plumage_panel, quality_panel, statistics_panel, toolbar,
 };
 #[cfg(feature = "photo")]
-pub use photo::{Photo, Photos, photo_panel};
+pub use photo::{Photo, PhotoChoice, Photos, photo_panel};
 pub use pick::{Picked, pick_card};
 pub use session::Session;
 pub use state::{Inspector, Tab};

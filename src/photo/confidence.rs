@@ -15,6 +15,9 @@ pub enum Doubt {
     /// Other objects lie beside the feather.
     #[error("{0} other objects in the picture")]
     OtherObjects(u32),
+    /// Objects of the background's hue that repeat another's shape without its detail were taken for shadows.
+    #[error("{0} objects taken for shadows")]
+    ShadowsApart(u32),
     /// The feather touches the frame.
     #[error("cut by the frame along {0:.3} of its length")]
     CutByFrame(f32),

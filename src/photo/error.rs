@@ -1,7 +1,25 @@
 //! Why no feather came out of a photograph.
 
+use super::PhotoObject;
 use crate::asset::AssetError;
 use thiserror::Error;
+
+/// So many objects are named in a message.
+const NAMED: usize = 8;
+
+/// Numbers and places of objects.
+fn list(objects: &[PhotoObject]) -> String {
+    let mut text: Vec<String> = objects
+        .iter()
+        .take(NAMED)
+        .enumerate()
+        .map(|(i, object)| format!("{} {object}", i + 1))
+        .collect();
+    if objects.len() > NAMED {
+        text.push(format!("and {} more", objects.len() - NAMED));
+    }
+    text.join(", ")
+}
 
 /// Why a photograph was refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -73,11 +91,19 @@ pub enum ExtractError {
         /// What was seen instead.
         reason: String,
     },
-    /// More than one object of comparable size.
-    #[error("{count} objects of comparable size, a photograph must show one feather")]
+    /// More than one object of comparable size, and none was chosen (`ExtractSettings::object`).
+    #[error("{} objects of comparable size: {}; choose one, or crop the photograph to it", objects.len(), list(objects))]
     SeveralObjects {
-        /// How many.
-        count: usize,
+        /// All of them, from left to right, as `ObjectChoice::Number` counts them.
+        objects: Vec<PhotoObject>,
+    },
+    /// The object chosen is not there.
+    #[error("no object {asked}; {}: {}", match objects.len() { 1 => "there is 1".to_owned(), n => format!("there are {n}") }, list(objects))]
+    NoSuchObject {
+        /// What was chosen.
+        asked: String,
+        /// What is there.
+        objects: Vec<PhotoObject>,
     },
     /// The asset that came out is not valid.
     #[error(transparent)]

@@ -19,6 +19,7 @@ mod edge;
 mod error;
 mod load;
 mod loader;
+mod objects;
 mod outline;
 mod overlay;
 mod paint;
@@ -39,6 +40,6 @@ pub use load::{
     MAX_FILE_BYTES, MAX_PIXELS, MAX_SIDE, MIN_SIDE, decode_photograph, load_photograph,
 };
 pub use loader::{ExtractPlugin, PhotographLoader};
-pub use result::{BarbMeasure, CardFrame, Extraction, ScoreMap};
+pub use result::{BarbMeasure, CardFrame, Extraction, PhotoObject, ScoreMap};
 pub use run::extract;
-pub use settings::{AlbedoFilter, ExtractSettings, Face, Progress, Stage};
+pub use settings::{AlbedoFilter, ExtractSettings, Face, ObjectChoice, Progress, Stage};

@@ -4,7 +4,32 @@ use super::{Confidence, ExtractError};
 use crate::{anatomy::Feather, asset::RonAsset};
 use bevy::math::Vec2;
 use image::{GrayImage, RgbaImage};
-use std::path::{Path, PathBuf};
+use std::{
+    fmt,
+    path::{Path, PathBuf},
+};
+
+/// One of the objects in a photograph, in its pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhotoObject {
+    /// Middle of its area.
+    pub center: Vec2,
+    /// Upper left corner of the box around it.
+    pub low: Vec2,
+    /// Lower right corner.
+    pub high: Vec2,
+}
+
+impl fmt::Display for PhotoObject {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (center, size) = (self.center, self.high - self.low);
+        write!(
+            f,
+            "at ({:.0}, {:.0}) of {:.0} x {:.0} pixels",
+            center.x, center.y, size.x, size.y
+        )
+    }
+}
 
 /// Barbs of one vane as the photograph shows them.
 #[derive(Clone, Copy, Debug, PartialEq)]

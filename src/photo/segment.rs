@@ -7,7 +7,7 @@ use super::{
     raster::Plane,
 };
 use bevy::math::Vec2;
-use image::{GrayImage, Luma};
+use image::{GrayImage, ImageBuffer, Luma};
 use imageproc::{
     contrast::otsu_level,
     distance_transform::{Norm, euclidean_squared_distance_transform},
@@ -31,6 +31,8 @@ pub(super) struct Segment {
     pub far: Plane,
     /// 255 on all that is not background, thin lines too.
     pub loose: GrayImage,
+    /// The same without thin lines, gaps closed: the objects.
+    pub all: GrayImage,
     /// Areas of the other objects, as shares of the feather's.
     pub others: Vec<f32>,
     /// Distance to the background that was asked for.
@@ -74,7 +76,7 @@ pub(super) fn largest(mask: &GrayImage, least: u32) -> (GrayImage, u32, Vec<u32>
 }
 
 /// Fills what is not connected to the frame.
-fn fill_holes(mask: &mut GrayImage) {
+pub(super) fn fill_holes(mask: &mut GrayImage) {
     let (width, height) = mask.dimensions();
     let inverse = GrayImage::from_fn(width, height, |x, y| Luma([255 - mask.get_pixel(x, y)[0]]));
     let labels = connected_components(&inverse, Connectivity::Four, OFF);
@@ -394,6 +396,7 @@ pub(super) fn segment(
     mask = morphology::close(&mask, Norm::L2, close);
     let least = (width * height / 4000).max(12) as u32;
     let (mut kept, area, others) = largest(&mask, least);
+    let all = mask;
     if band > 0.0 {
         kept = with_thin_ends(&kept, &loose);
     }
@@ -456,6 +459,7 @@ pub(super) fn segment(
         field,
         far,
         loose,
+        all,
         others: others
             .iter()
             .map(|&a| a as f32 / area.max(1) as f32)
@@ -466,8 +470,9 @@ pub(super) fn segment(
     }
 }
 
-/// How many objects of comparable size a mask holds once bridges between them (narrower than two fifths of the widest) are cut.
-pub(super) fn bodies(mask: &GrayImage) -> usize {
+/// Labels of what a mask holds once bridges narrower than two fifths of the widest are cut, and those of comparable size, the
+/// largest first.
+fn core_labels(mask: &GrayImage) -> (ImageBuffer<Luma<u32>, Vec<u32>>, Vec<u32>) {
     let inverse = GrayImage::from_fn(mask.width(), mask.height(), |x, y| {
         Luma([255 - mask.get_pixel(x, y)[0]])
     });
@@ -475,9 +480,34 @@ pub(super) fn bodies(mask: &GrayImage) -> usize {
     let widest = distance.as_raw().iter().copied().fold(0.0, f64::max).sqrt();
     let radius = (0.2 * widest).clamp(1.0, 40.0) as u8;
     let opened = morphology::open(mask, Norm::L2, radius);
-    let (_, area, others) = largest(&opened, 1);
-    1 + others
-        .iter()
-        .filter(|&&other| other as f32 > 0.3 * area as f32)
-        .count()
+    let labels = connected_components(&opened, Connectivity::Eight, OFF);
+    let count = labels.as_raw().iter().copied().max().unwrap_or(0);
+    let mut areas = vec![0u32; count as usize + 1];
+    for label in labels.as_raw() {
+        areas[*label as usize] += 1;
+    }
+    areas[0] = 0;
+    let most = areas.iter().copied().max().unwrap_or(0) as f32;
+    let mut large: Vec<u32> = (1..=count)
+        .filter(|&label| areas[label as usize] as f32 > 0.3 * most)
+        .collect();
+    large.sort_by_key(|&label| std::cmp::Reverse(areas[label as usize]));
+    (labels, large)
+}
+
+/// How many objects of comparable size a mask holds once bridges between them are cut.
+pub(super) fn bodies(mask: &GrayImage) -> usize {
+    core_labels(mask).1.len().max(1)
+}
+
+/// The cores of those objects, at most `most`.
+pub(super) fn cores(mask: &GrayImage, most: usize) -> Vec<GrayImage> {
+    let (labels, large) = core_labels(mask);
+    let core = |label: &u32| {
+        GrayImage::from_fn(mask.width(), mask.height(), |x, y| {
+            let on = labels.get_pixel(x, y)[0] == *label;
+            if on { ON } else { OFF }
+        })
+    };
+    large.iter().take(most).map(core).collect()
 }

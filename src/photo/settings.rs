@@ -1,6 +1,6 @@
 //! What the caller may say about a photograph, and what it hears while it waits.
 
-use super::ExtractError;
+use super::{ExtractError, MAX_SIDE};
 use serde::{Deserialize, Serialize};
 
 /// Which face of the feather the camera saw.
@@ -23,6 +23,18 @@ pub enum AlbedoFilter {
     EdgeAware,
 }
 
+/// Which object of a photograph is the feather.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum ObjectChoice {
+    /// The only one; several of comparable size are an error that lists them ([`ExtractError::SeveralObjects`]).
+    #[default]
+    Only,
+    /// The one of this number, counted from 1 and from left to right as that error lists them.
+    Number(u32),
+    /// The one at, or next to, a point in pixels of the photograph, `x` to the right and `y` down.
+    At([f32; 2]),
+}
+
 /// Settings of [`extract`](super::extract).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -32,6 +44,8 @@ pub struct ExtractSettings {
     pub name: String,
     /// Which face the photograph shows.
     pub face: Face,
+    /// Which object is the feather, where several lie in the picture.
+    pub object: ObjectChoice,
     /// Length of the feather from quill to tip in millimetres, 0.1..5000. Without it a length typical of a flight feather is
     /// taken and flagged.
     pub length_mm: Option<f32>,
@@ -57,6 +71,7 @@ impl Default for ExtractSettings {
         Self {
             name: "photograph".to_owned(),
             face: Face::Front,
+            object: ObjectChoice::Only,
             length_mm: None,
             resolution: 1200,
             albedo: AlbedoFilter::EdgeAware,
@@ -91,6 +106,11 @@ impl ExtractSettings {
         inside("name.len()", self.name.len() as f64, 1.0, 128.0)?;
         if let Some(length) = self.length_mm {
             inside("length_mm", f64::from(length), 0.1, 5000.0)?;
+        }
+        if let ObjectChoice::At(place) = self.object {
+            for at in place {
+                inside("object", f64::from(at), 0.0, f64::from(MAX_SIDE))?;
+            }
         }
         inside("resolution", f64::from(self.resolution), 256.0, 4096.0)?;
         inside("albedo_sigma", f64::from(self.albedo_sigma), 0.0005, 0.05)?;

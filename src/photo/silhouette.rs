@@ -4,10 +4,11 @@ use super::{
     Confidence, Doubt, ExtractError, ExtractSettings,
     background::Background,
     color::Lab,
+    objects::{Overview, choose},
     outline,
     prepare::{Photo, View, denoise},
     raster::Plane,
-    segment::{Segment, bodies, largest, segment, with_thin_ends},
+    segment::{Segment, largest, segment, with_thin_ends},
 };
 use bevy::math::Vec2;
 use image::{DynamicImage, GrayImage, Luma, RgbaImage};
@@ -87,9 +88,11 @@ fn alpha_segment(image: &RgbaImage) -> Segment {
         }])
     });
     let least = (width * height / 4000).max(12) as u32;
-    let (mask, area, others) = largest(&mask, least);
+    let all = mask;
+    let (mask, area, others) = largest(&all, least);
     Segment {
         loose: mask.clone(),
+        all,
         far: Plane::new(width, height, 1.0),
         mask,
         field,
@@ -265,11 +268,21 @@ pub(super) fn silhouette(
     };
     let (image, _) = overview.look(&whole);
     let by_alpha = settings.use_alpha && cut_out(&image);
-    let (background, found) = if by_alpha {
+    let (seen, found) = if by_alpha {
         (None, alpha_segment(&image))
     } else {
-        let (background, found) = find_background(&Lab::of(&denoise(&image)));
-        (Some(background), found)
+        let lab = Lab::of(&denoise(&image));
+        let (background, found) = find_background(&lab);
+        let at = |i: usize| {
+            background.at(place(
+                i % whole.width,
+                i / whole.width,
+                whole.width,
+                whole.height,
+            ))
+        };
+        let behind: Vec<[f32; 3]> = (0..whole.width * whole.height).map(at).collect();
+        (Some((background, behind)), found)
     };
     let area = found.mask.as_raw().iter().filter(|&&m| m > 0).count();
     let share = area as f32 / (whole.width * whole.height) as f32;
@@ -283,16 +296,17 @@ pub(super) fn silhouette(
             reason: "no background around it".to_owned(),
         });
     }
-    let mut rivals = found.others.iter().filter(|&&share| share > 0.3).count();
-    if rivals > 0 && !by_alpha {
-        // A seam of the table, or a bare shaft that it cuts off, is large beside a small vane, but thin; and a vane may show as
-        // single barbs.
-        let whole = morphology::close(&found.loose, Norm::L2, 4);
-        rivals = rivals.min(bodies(&whole).saturating_sub(1));
-    }
-    let count = rivals + bodies(&found.mask);
-    if count > 1 {
-        return Err(ExtractError::SeveralObjects { count });
+    let colors = Lab::of(&image);
+    let overview = Overview {
+        view: &whole,
+        colors: seen.as_ref().map(|(_, behind)| (&colors, &behind[..])),
+    };
+    let found = choose(&found, &overview, settings.object)?;
+    let background = seen.map(|(background, _)| background);
+    if found.shadows > 0 {
+        confidence
+            .one_feather
+            .doubt(Doubt::ShadowsApart(found.shadows), 0.9);
     }
     let beside = found.others.iter().filter(|&&share| share > 0.01).count() as u32;
     if beside > 0 {
@@ -308,7 +322,7 @@ pub(super) fn silhouette(
     let slender = lie.2;
     let along = match turn {
         Some(turn) => Vec2::from_angle(turn).rotate(lie.1),
-        None => direction(&silhouette, &Lab::of(&image).planes[0], lie),
+        None => direction(&silhouette, &colors.planes[0], lie),
     };
     // The view's x axis; its y axis is then `along`, which shall point down the screen.
     let along = if along.y < 0.0 { -along } else { along };
@@ -343,7 +357,23 @@ pub(super) fn silhouette(
         height: ((long + 2.0 * end) / scale).ceil().max(8.0) as usize,
     };
     let photo = Photo::reduced(photograph, 1.2 * longest / scale);
-    let (image, valid) = photo.look(&view);
+    let (mut image, mut valid) = photo.look(&view);
+    if let Some(foreign) = &found.foreign {
+        // What belongs to another object is as good as beyond the frame.
+        for y in 0..view.height {
+            for x in 0..view.width {
+                let p = whole.view(view.photo(Vec2::new(x as f32 + 0.5, y as f32 + 0.5)));
+                let side = Vec2::new(whole.width as f32, whole.height as f32) - 1.0;
+                let p = p.clamp(Vec2::ZERO, side).as_uvec2();
+                if foreign.get_pixel(p.x, p.y)[0] > 0 {
+                    valid.data[y * view.width + x] = 0.0;
+                    if by_alpha {
+                        image.get_pixel_mut(x as u32, y as u32)[3] = 0;
+                    }
+                }
+            }
+        }
+    }
     let lab = Lab::of(&denoise(&image));
     let cut = match &background {
         None => alpha_segment(&image),

@@ -1,9 +1,9 @@
 //! The color of a place on the skin.
 
-use crate::groom::{SkinMesh, SurfacePoint};
+use crate::groom::{SkinMesh, SurfacePoint, address_modes, texel};
 use bevy::{
     color::LinearRgba,
-    image::{Image, ImageAddressMode, ImageSampler, TextureAccessError},
+    image::{Image, TextureAccessError},
     math::{Affine2, Vec2, Vec3},
 };
 
@@ -86,23 +86,4 @@ fn texture_mean(image: &Image, uv: Vec2, side: f32) -> Result<Vec3, TextureAcces
         sum += Vec3::new(red, green, blue);
     }
     Ok(sum / (count * count) as f32)
-}
-
-/// How the texture goes on beyond its edges; repeated unless it says something else, as in glTF.
-fn address_modes(image: &Image) -> [ImageAddressMode; 2] {
-    match &image.sampler {
-        ImageSampler::Descriptor(sampler) => [sampler.address_mode_u, sampler.address_mode_v],
-        ImageSampler::Default => [ImageAddressMode::Repeat; 2],
-    }
-}
-
-/// The texel that a coordinate falls on.
-fn texel(at: f32, size: u32, mode: ImageAddressMode) -> u32 {
-    let at = if at.is_finite() { at } else { 0.0 };
-    let inside = match mode {
-        ImageAddressMode::Repeat => at.rem_euclid(1.0),
-        ImageAddressMode::MirrorRepeat => 1.0 - (at.rem_euclid(2.0) - 1.0).abs(),
-        ImageAddressMode::ClampToEdge | ImageAddressMode::ClampToBorder => at.clamp(0.0, 1.0),
-    };
-    ((inside * size as f32) as u32).min(size.saturating_sub(1))
 }

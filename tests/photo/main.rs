@@ -3,5 +3,6 @@
 //! No renderer is needed.
 
 mod loader;
+mod objects;
 mod robust;
 mod truth;

@@ -231,7 +231,15 @@ fn several_feathers_and_pieces() {
         ],
     );
     let error = run(&DynamicImage::ImageRgb8(three)).expect_err("three");
-    assert_eq!(error, ExtractError::SeveralObjects { count: 3 });
+    let ExtractError::SeveralObjects { objects } = error else {
+        panic!("{error}");
+    };
+    assert_eq!(objects.len(), 3);
+    // Between the two vanes, and above the quill.
+    for (object, x) in objects.iter().zip([60.0, 170.0, 280.0]) {
+        assert!((object.center.x - x).abs() < 15.0, "{object}");
+        assert!((80.0..180.0).contains(&object.center.y), "{object}");
+    }
     let cut = picture(200, 300, &[(Vec2::new(85.0, 360.0), up, 330.0)]);
     let found = run(&DynamicImage::ImageRgb8(cut)).expect("most of a feather");
     let doubts = &found.confidence.one_feather.doubts;

@@ -2,6 +2,7 @@
 
 use crate::groom::{
     error::SkinFlaw,
+    mask_textures::MaskValues,
     skin::{SkinMesh, SurfacePoint},
 };
 use bevy::{
@@ -82,19 +83,28 @@ impl SkinMesh {
             .sum()
     }
 
-    /// Factor of the mask on the number of feathers at a point, 0..4.
+    /// Factor of the masks on the number of feathers at a point, 0..4.
     pub fn mask_density(&self, point: SurfacePoint) -> f32 {
-        self.masked(&self.masks.density, point).unwrap_or(DENSITY.2)
+        let own = self.masked(&self.masks.density, point);
+        let textures = self.textured(point, |sets| matches!(sets, MaskValues::Density(..)));
+        let all = textures.fold(own.unwrap_or(DENSITY.2), |all, factor| all * factor);
+        all.clamp(DENSITY.0, DENSITY.1)
     }
 
-    /// Factor of the mask on the length of feathers at a point, 0.05..4.
+    /// Factor of the masks on the length of feathers at a point, 0.05..4.
     pub fn mask_length(&self, point: SurfacePoint) -> f32 {
-        self.masked(&self.masks.length, point).unwrap_or(LENGTH.2)
+        let own = self.masked(&self.masks.length, point);
+        let textures = self.textured(point, |sets| matches!(sets, MaskValues::Length(..)));
+        let all = textures.fold(own.unwrap_or(LENGTH.2), |all, factor| all * factor);
+        all.clamp(LENGTH.0, LENGTH.1)
     }
 
-    /// Degrees that the mask adds to the lift of feathers at a point, -90..90.
+    /// Degrees that the masks add to the lift of feathers at a point, -90..90.
     pub fn mask_lift(&self, point: SurfacePoint) -> f32 {
-        self.masked(&self.masks.lift, point).unwrap_or(LIFT.2)
+        let own = self.masked(&self.masks.lift, point);
+        let textures = self.textured(point, |sets| matches!(sets, MaskValues::Lift(..)));
+        let all = textures.fold(own.unwrap_or(LIFT.2), |all, degrees| all + degrees);
+        all.clamp(LIFT.0, LIFT.1)
     }
 
     /// Nodes whose lay the mask gives, and the lay (not projected, any length).
