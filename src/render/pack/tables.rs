@@ -24,12 +24,8 @@ pub mod header {
     pub const SHEEN: usize = 7;
     /// Parameters of the four fibres, `FIBRE_PARAMETER_VEC4S` each: rachis, barb, distal, proximal.
     pub const FIBRES: usize = 8;
-    /// Table of each of the four.
-    pub const TABLES: usize = 36;
-    /// Factor on the painted color of each of the four.
-    pub const SHARES: usize = 37;
-    /// Two: the chance of each of the four that its light meets another fibre, seen from front and back.
-    pub const MEETING: usize = 38;
+    /// Four, of the same: factor on the painted color; the chance that light meets another fibre, seen from front and back; fibre table.
+    pub const PARTS: usize = 36;
     /// One over the integral over the sphere of what the vanes catch.
     pub const CAUGHT: usize = 40;
     /// Where mirror lobes leave barbs and barbules: azimuthal roughness, share of the way from the normal half way; both twice.
@@ -227,12 +223,6 @@ fn pack_feather(
         put(header::FIBRES + parameters.len() * slot, &parameters);
         index[slot] = table as f32;
     }
-    put(header::TABLES, &[index]);
-    let share = feather.albedo.share;
-    put(
-        header::SHARES,
-        &[[share.rachis, share.barb, share.barbule, share.barbule]],
-    );
     let vanes = Side::BOTH.map(|side| feather.query_vane(side));
     let dark_back = feather.albedo.back.is_none();
     let alike =
@@ -246,10 +236,12 @@ fn pack_feather(
         let tables = index.map(|i: f32| &found.tables[i as usize].1);
         Kept::new(vanes, fibres, tables, dark_back)
     });
-    put(
-        header::MEETING,
-        &kept.faces.each_ref().map(|(meeting, _)| *meeting),
-    );
+    let share = feather.albedo.share;
+    let shares = [share.rachis, share.barb, share.barbule, share.barbule];
+    let [(front, _), (back, _)] = &kept.faces;
+    let parts: [[f32; 4]; 4] =
+        std::array::from_fn(|part| [shares[part], front[part], back[part], index[part]]);
+    put(header::PARTS, &parts);
     put(header::CAUGHT, &[[kept.caught, 0.0, 0.0, 0.0]]);
     let [barb, barbule] = [1, 2].map(|slot| mirror_place(&found.tables[index[slot] as usize].1));
     let mirrors = [barb.blur, barb.retreat, barbule.blur, barbule.retreat];
