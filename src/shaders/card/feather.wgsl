@@ -9,7 +9,7 @@
     feather_opacity::{LEAST_OPACITY, leaves_hole, sample_bits},
     feather_shadow::{Reaches, caught_light, kept_light, kept_place, light_ray, reach_of, reaches_of, shadowing_of},
     scattering::{
-        FIBRE_PARAMETER_LENGTH, FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreRow, fibre_along, fibre_lit, fibre_lobes,
+        FIBRE_PARAMETER_LENGTH, FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreReach, FibreRow, fibre_along, fibre_lit, fibre_lobes,
         fibre_parameters, fibre_row_at, fibre_row_mix, fibre_shading, fibre_terms, multiple_scattering, single_scattering_albedo,
     },
     scattering_near::{fibre_near, fibre_near_lobes, fibre_window},
@@ -57,8 +57,8 @@ const ROUNDING: f32 = 0.0;
 // What a fragment adds in the overdraw view: sixteen make white.
 const OVERDRAW_STEP: f32 = 0.0625;
 
-// Direction of a component's fibres in the frame of the card (the map shears along a curved rachis).
-fn fibre_tangent(part: u32, angles: vec4<f32>, right: bool, slope: f32, aspect: f32) -> vec2<f32> {
+// Direction of a component's fibres in the frame of the card; `shear`: of the map along a curved rachis.
+fn fibre_tangent(part: u32, angles: vec4<f32>, right: bool, shear: f32) -> vec2<f32> {
     var v = vec2(0.0, 1.0);
     let barb = vec2(-angles.x, angles.y);
     if (part == BARB) { v = barb; }
@@ -66,7 +66,7 @@ fn fibre_tangent(part: u32, angles: vec4<f32>, right: bool, slope: f32, aspect: 
     if (part == DISTAL) { v = vec2(barb.x * angles.w + barb.y * angles.z, barb.y * angles.w - barb.x * angles.z); }
     if (part == PROXIMAL) { v = vec2(barb.x * angles.w - barb.y * angles.z, barb.y * angles.w + barb.x * angles.z); }
     if (right) { v.x = -v.x; }
-    return normalize(vec2(v.x + slope * aspect * v.y, v.y));
+    return normalize(vec2(v.x + shear * v.y, v.y));
 }
 
 // A direction of the card in the frame of a fibre: along it, across (the normal crossed with it), along the normal.
@@ -241,7 +241,7 @@ fn shade(
     opacity: f32,
 ) -> vec3<f32> {
     let vane = base + select(data::LEFT_VANE, data::RIGHT_VANE, covered.right);
-    let slope = rachis_at(base, in.uv.y).y;
+    let shear = rachis_at(base, in.uv.y).y * shape.x;
     let seen = light::fragment_of(in.world_position, frame.normal, in.position, in.instance_index);
     let front = frame.local_eye.z >= 0.0;
     let eye_side = select(-frame.normal, frame.normal, front);
@@ -267,7 +267,7 @@ fn shade(
 #ifdef IRIDESCENT
     // Of all mirrors of a vane thin layers are the brightest.
     let vane_angles = feather_at(vane);
-    let vane_barb = fibre_tangent(BARB, vane_angles, covered.right, slope, shape.x);
+    let vane_barb = fibre_tangent(BARB, vane_angles, covered.right, shear);
     let mirror = shimmer_mirror(base, vane_barb, vane_angles);
     let mirror_normal = mirror.x * frame.across + mirror.y * frame.along + mirror.z * frame.normal;
     let around = light::environment(seen, eye_side, reflect(-frame.eye, mirror_normal), mirror.w);
@@ -309,7 +309,7 @@ fn shade(
             }
             let about = feather_at(base + data::PARTS + part);
             let angles = feather_at(vane);
-            let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x);
+            let tangent = fibre_tangent(part, angles, covered.right, shear);
             let meets = settings.multiple_scattering * select(about.z, about.y, front);
             let eye = in_fibre(tangent, frame.hand, frame.local_eye);
             // What it keeps of light from all around, lobe by lobe. Light that leaves it meets another fibre where light from all
@@ -324,8 +324,10 @@ fn shade(
             shading = shimmer_over_short(shading, shimmer);
 #endif
             var lobes = array<short::ShortLobes, BATCH>();
+            var reaching = array<FibreReach, BATCH>();
             for (var i = 0u; i < count; i++) {
                 lobes[i] = short::short_lobes(shading, in_fibre(tangent, frame.hand, batch[i].direction));
+                reaching[i] = reach_of(batch[i].reaches, part, shadowing.lower, lobes[i].turn, false);
             }
             let before = kept_light(kept, part, 0u);
             let after = kept_light(kept, part, 1u);
@@ -359,8 +361,8 @@ fn shade(
                     radiance = (radiance + again * everywhere) * open;
                 }
                 for (var i = 0u; i < count; i++) {
-                    let reach = reach_of(batch[i].reaches, part, shadowing.lower, lobes[i].turn, false);
-                    radiance += batch[i].color[c] * (short::short_lit(shading, color, lobes[i], reach) + again * batch[i].caught);
+                    let own = short::short_lit(shading, color, lobes[i], reaching[i]);
+                    radiance += batch[i].color[c] * (own + again * batch[i].caught);
                 }
                 sum[c] += weight * radiance;
             }
@@ -459,14 +461,14 @@ fn shade(
 // Where the energy of the fibres goes: surface reflection red, back to the eye's side green, through the feather blue.
 fn lobe_color(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: Covered, albedo: vec3<f32>) -> vec3<f32> {
     let angles = feather_at(base + select(data::LEFT_VANE, data::RIGHT_VANE, covered.right));
-    let slope = rachis_at(base, in.uv.y).y;
+    let shear = rachis_at(base, in.uv.y).y * shape.x;
     var sum = vec3(0.0);
     for (var part = 0u; part < 4u; part++) {
         let weight = covered.weights[part];
         if (weight <= LEAST_SHARE * dot(covered.weights, vec4(1.0))) {
             continue;
         }
-        let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x);
+        let tangent = fibre_tangent(part, angles, covered.right, shear);
         let about = feather_at(base + data::PARTS + part);
         let painted = min(albedo * about.x, vec3(0.98));
         let fibre = read_part(base, part, about.w, tangent, frame);

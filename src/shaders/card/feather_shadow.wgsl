@@ -19,6 +19,8 @@ const KEPT_LAST: f32 = 0.9;
 // The vane that a fragment shows most of, and the eye's view of it.
 struct Shadowing {
     eye: VaneEye,
+    // Share of a barb's silhouette that its barbules leave open to the eye.
+    open: f32,
     beside: f32,
     // From the card's frame to the left vane's.
     mirror: vec3<f32>,
@@ -40,15 +42,16 @@ struct KeptPlace {
 // along: the fragment's place on the rachis, 0..1.
 fn shadowing_of(base: u32, along: f32, covered: Covered, frame: Frame) -> Shadowing {
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, covered.right);
-    var result = Shadowing();
     var vane = data::vane_unpack(feather_at(slot), feather_at(slot + 1u), feather_at(slot + 2u));
     vane.hooked = covered.hook;
+    var result = Shadowing();
     // Below the vanes nothing lies beside the shaft.
     result.beside = smoothstep(-0.01, 0.01, along - feather_at(base + data::SHAPE).z);
     result.mirror = vec3(select(1.0, -1.0, covered.right), 1.0, 1.0);
-    let eye = frame.local_eye * result.mirror;
     let mirrors = feather_at(base + data::MIRRORS);
+    let eye = frame.local_eye * result.mirror;
     result.eye = vane_eye(vane, eye, MirrorPlace(mirrors.x, mirrors.y), MirrorPlace(mirrors.z, mirrors.w));
+    result.open = covered.open;
     let frequency = grating_frequency(vane, result.eye.distal_above) / PLACE_FREQUENCY;
     result.frequency = frequency * frequency;
     result.lower = select(2u, 3u, result.eye.distal_above);
@@ -105,7 +108,9 @@ struct Reaches {
 fn reaches_of(s: Shadowing, ray: VaneRay) -> Reaches {
     let shaft = mix(1.0, shaft_light(ray).even, s.beside);
     let shape = s.eye.shape;
-    let barb = barb_light(s.eye, barb_eye(shape, s.eye.layers), ray);
+    var seen = barb_eye(shape, s.eye.layers);
+    seen.open = s.open;
+    let barb = barb_light(s.eye, seen, ray);
     let upper = upper_light(s.eye, upper_eye(shape, s.eye.layers), ray);
     let lower = lower_light(s.eye, lower_eye(shape, s.eye.layers), ray);
     let above = s.eye.distal_above;
