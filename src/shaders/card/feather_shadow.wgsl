@@ -123,7 +123,8 @@ fn reaches_of(s: Shadowing, ray: VaneRay) -> Reaches {
     );
 }
 
-// Of one of the parts; `turn` and `near` as in part_reach.
+// Of one of the parts; `turn`: cosine of the azimuth between eye and light around its fibres. `near`: the pixel sees a place on a barb,
+// and not its whole silhouette.
 fn reach_of(r: Reaches, part: u32, lower: u32, turn: f32, near: bool) -> FibreReach {
     return FibreReach(
         select(r.mirror[part], r.barb, near && part == 1u),
@@ -147,13 +148,12 @@ fn part_eye(s: Shadowing, part: u32) -> PartEye {
     return vane_part(s.eye.shape, s.eye.layers, vane_kind(s, part));
 }
 
-// What of a light reaches one part, seen as `seen`; `turn`: cosine of the azimuth between eye and light
-// around its fibres. `near`: the pixel sees a place on a barb, and not its whole silhouette.
-fn part_reach(s: Shadowing, seen: PartEye, ray: VaneRay, part: u32, turn: f32, near: bool) -> FibreReach {
+// What of a light reaches one part alone, seen as `seen`; `turn`: cosine of the azimuth between eye and light around its fibres.
+fn part_reach(s: Shadowing, seen: PartEye, ray: VaneRay, part: u32, turn: f32) -> FibreReach {
     if (part == 0u) {
         let open = mix(1.0, shaft_light(ray).even, s.beside);
         return FibreReach(open, open, 0.0, turn);
     }
     let light = vane_light(s.eye, seen, ray, vane_kind(s, part));
-    return FibreReach(select(light.mirror, light.lit, near), light.even, light.along, light.place);
+    return FibreReach(light.mirror, light.even, light.along, light.place);
 }
