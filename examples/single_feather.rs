@@ -70,7 +70,7 @@ fn load(
 ) {
     spawn_cloth(&mut commands, &mut meshes, &mut materials);
     let feather = assets.load(format!("feathers/{}.feather.ron", args.feather));
-    commands.spawn((Waiting(feather), Transform::IDENTITY, Visibility::default()));
+    commands.spawn(Waiting(feather));
 }
 
 /// A dark cloth around: what shows between the barbules should not outshine them.
@@ -133,23 +133,36 @@ fn spawn(
                 ),
             )
         };
-        if args.layers_cost.is_some() {
+        let bare = args.layers_cost.map(|_| {
             let mut bare = feather;
             bare.iridescence = None;
             bare.iridescence_scale = None;
-            commands.spawn((
-                drawn(feathers.add(bare)),
-                cost::Timed(false),
-                Transform::IDENTITY,
-                Visibility::Hidden,
-            ));
-            commands.entity(entity).insert(cost::Timed(true));
+            feathers.add(bare)
+        });
+        for place in places(args.copies, length, width) {
+            let mut copy = commands.spawn((drawn(handle.clone()), place, Visibility::default()));
+            if let Some(bare) = &bare {
+                copy.insert((cost::Timed(true), Visibility::Hidden));
+                commands.spawn((
+                    drawn(bare.clone()),
+                    place,
+                    cost::Timed(false),
+                    Visibility::Hidden,
+                ));
+            }
         }
-        commands
-            .entity(entity)
-            .remove::<Waiting>()
-            .insert(drawn(handle.clone()));
+        commands.entity(entity).despawn();
     }
+}
+
+/// Where copies of the feather stand, so small that together they fill the place of one.
+fn places(copies: u32, length: f32, width: f32) -> impl Iterator<Item = Transform> {
+    let share = 1.0 / copies as f32;
+    (0..copies * copies).map(move |i| {
+        let (column, row) = ((i % copies) as f32, (i / copies) as f32);
+        let x = width * (share * (column + 0.5) - 0.5);
+        Transform::from_xyz(x, length * share * row, 0.0).with_scale(Vec3::splat(share))
+    })
 }
 
 fn card(length: f32, width: f32, tint: [f32; 3]) -> Card {

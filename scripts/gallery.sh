@@ -40,7 +40,7 @@ show single_feather feather_barbs --size 640x480 --camera macro --distance 2.5
 photo=$(mktemp -d)/photograph.jpg
 ${CARGO:-cargo} run -q -p plumage_tools --bin photo_charts -- --photograph eagle_secondary "$photo"
 echo "gallery: extract_pair"
-${CARGO:-cargo} run -q --features inspector,photo --example single_feather -- --headless --frames 1 --size 800x640 --photo "$photo" \
+${CARGO:-cargo} run -q --features inspector,photo --example single_feather -- --headless --size 800x640 --photo "$photo" \
     --output "$out/extract_pair.png" --stats "$out/stats/extract_pair.json" >/dev/null
 rm -r "$(dirname "$photo")"
 for mode in explicit volume hybrid shells; do
@@ -93,7 +93,7 @@ cards=$(mktemp -d)
 judge() { # bird, view, picture, arguments...
     local bird=$1 view=$2 picture=$3
     shift 3
-    ${CARGO:-cargo} run -q --features inspector,photo --example "$bird" -- --headless --frames 1 --output "$cards/$picture.png" --view card --accumulate "$samples" "$@" >/dev/null
+    ${CARGO:-cargo} run -q --features inspector,photo --example "$bird" -- --headless --output "$cards/$picture.png" --view card --accumulate "$samples" "$@" >/dev/null
     echo "$picture"
     ${CARGO:-cargo} run -q -p plumage_tools --bin picture_judge -- "$bird" "$view" "$out/$picture.png" "$cards/$picture.png" || true
 }

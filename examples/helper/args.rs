@@ -195,9 +195,9 @@ pub struct Args {
     /// Picture to write; NAME.png when absent.
     #[arg(long, help_heading = "Off screen")]
     pub output: Option<PathBuf>,
-    /// Frames to render once everything is loaded.
-    #[arg(long, default_value_t = 2, help_heading = "Off screen")]
-    pub frames: u32,
+    /// Frames to time before the picture is taken; 2 with `--stats` or `--bench`, otherwise none.
+    #[arg(long, help_heading = "Off screen")]
+    pub frames: Option<u32>,
     /// Average this many frames, each from another place in the pixel, on the lens and on the sun: a picture without noise. The
     /// animation stands still.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536), help_heading = "Off screen")]
@@ -219,6 +219,9 @@ pub struct Args {
     /// `single_feather`: a file of `assets/feathers`, without its ending.
     #[arg(long, default_value = "macaw_primary", help_heading = "Subject")]
     pub feather: String,
+    /// `single_feather`: as many by as many copies, each that much smaller, in the place of one.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64), help_heading = "Subject")]
+    pub copies: u32,
     /// `single_feather`: a photograph to make a feather of and to show beside it (feature `photo`).
     #[arg(long, help_heading = "Subject")]
     pub photo: Option<PathBuf>,

@@ -21,6 +21,14 @@ fn show(app: &mut App, layers: Option<bool>) {
     }
 }
 
+/// Cards of a class in the last count that has come back.
+fn cards_of(app: &App, class: &str) -> f64 {
+    let store = app.world().resource::<DiagnosticsStore>();
+    let path = format!("render/feather_cards_{class}");
+    let found = store.iter().find(|d| d.path().as_str() == path);
+    found.and_then(|d| d.value()).unwrap_or(0.0)
+}
+
 /// Milliseconds that the GPU spent in the pass with the feathers, of the last frame that has come back.
 fn pass_ms(app: &App) -> Option<f64> {
     let store = app.world().resource::<DiagnosticsStore>();
@@ -37,6 +45,7 @@ fn median(list: &mut [f64]) -> f64 {
 pub fn run(app: &mut App, rounds: u32, name: &str) {
     let states = [None, Some(false), Some(true)];
     let mut times: [Vec<f64>; 3] = Default::default();
+    let mut classes = bevy_plumage::CARD_COUNTERS.map(|_| 0.0);
     for round in 0..=rounds {
         for (state, times) in states.iter().zip(&mut times) {
             show(app, *state);
@@ -47,8 +56,17 @@ pub fn run(app: &mut App, rounds: u32, name: &str) {
             if round > 0 {
                 times.extend(pass_ms(app));
             }
+            if *state == Some(true) {
+                classes = bevy_plumage::CARD_COUNTERS.map(|name| cards_of(app, name));
+            }
         }
     }
+    let cards: Vec<String> = bevy_plumage::CARD_COUNTERS
+        .iter()
+        .zip(&classes)
+        .filter(|(_, count)| **count > 0.0)
+        .map(|(name, count)| format!("{count} {name}"))
+        .collect();
     let [none, without, with] = times.each_mut().map(|list| median(list));
     let adapter = &app.world().resource::<RenderAdapterInfo>().name;
     println!(

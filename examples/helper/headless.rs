@@ -13,6 +13,7 @@ use super::{
 use bevy::{
     app::PluginsState,
     core_pipeline::tonemapping::Tonemapping,
+    ecs::entity::EntityHashSet,
     light::DirectionalLightShadowMap,
     prelude::*,
     render::{
@@ -41,8 +42,10 @@ const CAPTURE_TIMEOUT: Duration = Duration::from_secs(60);
 const LOAD_AT_LEAST: Duration = Duration::from_millis(200);
 /// Time between two lines of progress.
 const PROGRESS: Duration = Duration::from_secs(2);
-/// Frames before the first measured one: pipelines compile, shadow maps fill, buffers settle.
-const WARM_UP: u32 = 3;
+/// Frames before the picture: shadow maps fill, buffers settle.
+const WARM_UP: u32 = 1;
+/// Frames before the first timed one: pipelines compile, counters come back from the GPU.
+const WARM_UP_TIMED: u32 = 3;
 
 /// Whether any driver offers an adapter.
 pub fn adapter_exists() -> bool {
@@ -82,8 +85,10 @@ fn picture(app: &mut App, name: &str, args: &Args) -> Result<(), String> {
         // Shadow maps are the most expensive part of a picture drawn in software.
         app.insert_resource(DirectionalLightShadowMap { size: 1024 });
     }
+    app.add_systems(Last, close_cameras);
+    app.init_resource::<Closed>();
     load(app, name)?;
-    #[cfg(feature = "comparison")]
+    open_cameras(app);
     #[cfg(feature = "comparison")]
     if let Some(file) = &args.compare {
         return super::compare::run(app, &image, file);
@@ -92,16 +97,18 @@ fn picture(app: &mut App, name: &str, args: &Args) -> Result<(), String> {
         super::cost::run(app, rounds.max(1), name);
         return Ok(());
     }
-    let frames = args.frames.max(1);
+    let measured = args.stats.is_some() || args.bench;
+    let frames = args.frames.unwrap_or(if measured { 2 } else { 0 });
+    let warm_up = if frames > 0 { WARM_UP_TIMED } else { WARM_UP };
     let mut times = Vec::new();
-    for number in 1..=WARM_UP + frames {
+    for number in 1..=warm_up + frames {
         let time = frame(app);
         println!(
             "{name}: frame {number} of {}, {:.1} s",
-            WARM_UP + frames,
+            warm_up + frames,
             time.as_secs_f32()
         );
-        if number > WARM_UP {
+        if number > warm_up {
             times.push(time);
         }
     }
@@ -115,6 +122,9 @@ fn picture(app: &mut App, name: &str, args: &Args) -> Result<(), String> {
         .save(output)
         .map_err(|error| format!("{}: {error}", shown(output)))?;
     println!("{name}: wrote {}", shown(output));
+    if times.is_empty() {
+        return stopped(app);
+    }
     let stats = stats::collect(app, &mut times);
     println!("{name}: {stats:#}");
     if args.bench {
@@ -131,9 +141,43 @@ fn picture(app: &mut App, name: &str, args: &Args) -> Result<(), String> {
         std::fs::write(path, format!("{stats:#}\n"))
             .map_err(|error| format!("{}: {error}", shown(path)))?;
     }
+    stopped(app)
+}
+
+/// An error if the renderer has given up.
+fn stopped(app: &App) -> Result<(), String> {
     match app.should_exit() {
         Some(exit) => Err(format!("the renderer stopped: {exit:?}")),
         None => Ok(()),
+    }
+}
+
+/// Cameras that draw nothing for now: on a machine without a GPU a frame takes longer than most of what one waits for.
+#[derive(Resource, Default)]
+struct Closed(EntityHashSet);
+
+/// Closes cameras while there is a [`Closed`].
+fn close_cameras(closed: Option<ResMut<Closed>>, mut cameras: Query<(Entity, &mut Camera)>) {
+    let Some(mut closed) = closed else {
+        return;
+    };
+    for (entity, mut camera) in &mut cameras {
+        if camera.is_active {
+            camera.is_active = false;
+            closed.0.insert(entity);
+        }
+    }
+}
+
+/// Opens the cameras that were closed.
+fn open_cameras(app: &mut App) {
+    let Some(Closed(closed)) = app.world_mut().remove_resource() else {
+        return;
+    };
+    for entity in closed {
+        if let Some(mut camera) = app.world_mut().get_mut::<Camera>(entity) {
+            camera.is_active = true;
+        }
     }
 }
 
@@ -220,8 +264,10 @@ pub fn capture(app: &mut App, image: Handle<Image>) -> Result<image::DynamicImag
         frame(app);
         let taken = got.lock().ok().and_then(|mut slot| slot.take());
         if let Some(image) = taken {
+            open_cameras(app);
             return image.try_into_dynamic().map_err(|e| e.to_string());
         }
+        app.init_resource::<Closed>();
         std::thread::sleep(Duration::from_millis(2));
     }
     Err("the picture did not come back from the GPU".into())

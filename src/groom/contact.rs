@@ -9,6 +9,7 @@ use bevy::{
     math::Vec3,
     tasks::{ComputeTaskPool, TaskPool},
 };
+use std::ops::Range;
 
 /// Samples that must lie on the right side: shares of the length,
 const ALONG: [f32; 8] = [0.12, 0.2, 0.3, 0.4, 0.5, 0.62, 0.8, 0.97];
@@ -28,6 +29,8 @@ const BACK: f32 = -0.3;
 const NEXT: usize = 14;
 /// Feathers of the other face that it is kept away from.
 const BEHIND: usize = 8;
+/// Side of the columns that samples are sorted into, in median widths.
+const COLUMN: f32 = 0.25;
 /// Samples that one task takes.
 const CHUNK: usize = 2048;
 
@@ -64,6 +67,13 @@ fn blade(v: f32) -> f32 {
 impl Block {
     fn vertex(&self, i: usize, j: usize) -> u32 {
         (self.first + i * self.wide + j) as u32
+    }
+
+    /// The corners of the two triangles of a quad.
+    fn triangles(&self, i: usize, j: usize) -> [[u32; 3]; 2] {
+        let (a, b) = (self.vertex(i, j), self.vertex(i, j + 1));
+        let (c, d) = (self.vertex(i + 1, j + 1), self.vertex(i + 1, j));
+        [[a, b, c], [a, c, d]]
     }
 
     /// The triangle of the mesh at shares across (-1..1) and along (0..1).
@@ -112,24 +122,48 @@ struct Stand {
     rest: (Vec3, Vec3),
 }
 
+/// A triangle of a feather.
+#[derive(Clone, Copy, Default)]
+struct Facet {
+    corner: Vec3,
+    /// Unit normal; zero if the triangle has no area.
+    normal: Vec3,
+    /// The shares of the second and of the third corner at a place, for its offset from the first.
+    shares: [Vec3; 2],
+}
+
+impl Facet {
+    fn new([p, q, r]: [Vec3; 3]) -> Self {
+        let cross = (q - p).cross(r - p);
+        let area = cross.length_squared();
+        if area < 1.0e-30 {
+            return Self::default();
+        }
+        Self {
+            corner: p,
+            normal: cross / area.sqrt(),
+            shares: [p - r, q - p].map(|edge| cross.cross(edge) / area),
+        }
+    }
+}
+
 /// Looks for the contacts of a coat as it now stands.
 pub struct Finder<'a> {
     leaves: &'a [Leaf],
     blocks: &'a [Block],
-    points: Vec<Vec3>,
+    /// Two for each vertex: the triangles of the quad that begins there.
+    facets: Vec<[Facet; 2]>,
     heights: &'a [f32],
     samples: Vec<Sample>,
     stands: Vec<Stand>,
-    around: Columns<Seen>,
     median: f32,
 }
 
-/// What one task keeps from sample to sample.
-struct Scratch {
-    /// Sample for which a leaf was last found, and where it then stands in `near`.
-    slots: Vec<(u32, u32)>,
-    near: Vec<Near>,
-    behind: Vec<Near>,
+/// The feathers around every sample that it may touch.
+#[derive(Default)]
+pub struct Neighbors {
+    /// For each chunk of samples: where the feathers of each begin, and of those the ones behind; and the feathers.
+    chunks: Vec<(Vec<[u32; 2]>, Vec<Near>)>,
 }
 
 /// A feather near a sample, through the nearest of its own.
@@ -192,37 +226,67 @@ impl<'a> Finder<'a> {
                 }
             }
         }
-        let seen = samples
-            .iter()
-            .map(|sample| (sample.seen.place, sample.seen));
-        let around = Columns::new(seen, 0.5 * carried.median);
+        let mut facets = vec![[Facet::default(); 2]; points.len()];
+        for block in blocks {
+            for (i, j) in quads(block, 0..block.rows.saturating_sub(1)) {
+                facets[block.vertex(i, j) as usize] = block
+                    .triangles(i, j)
+                    .map(|corners| Facet::new(corners.map(|corner| points[corner as usize])));
+            }
+        }
         Self {
             leaves,
             blocks,
-            points,
+            facets,
             heights,
             samples,
             stands,
-            around,
             median: carried.median,
         }
     }
 
-    /// All contacts, in order of the samples.
-    pub fn find(&self) -> Vec<Contact> {
+    /// The feathers around every sample.
+    pub fn neighbors(&self) -> Neighbors {
+        let seen = self.samples.iter();
+        let seen = seen.map(|sample| (sample.seen.place, sample.seen));
+        let around = &Columns::new(seen, COLUMN * self.median);
         let pool = ComputeTaskPool::get_or_init(TaskPool::default);
-        let parts = pool.scope(|scope| {
+        let chunks = pool.scope(|scope| {
             for (number, chunk) in self.samples.chunks(CHUNK).enumerate() {
                 scope.spawn(async move {
-                    let mut scratch = Scratch {
-                        slots: vec![(u32::MAX, 0); self.leaves.len()],
-                        near: Vec::new(),
-                        behind: Vec::new(),
-                    };
-                    let mut contacts = Vec::new();
+                    // Sample for which a leaf was last found, and where it then stands in its list.
+                    let mut slots = vec![(u32::MAX, 0); self.leaves.len()];
+                    let (mut starts, mut all) = (Vec::with_capacity(chunk.len() + 1), Vec::new());
+                    let (mut near, mut behind) = (Vec::new(), Vec::new());
                     for (i, sample) in chunk.iter().enumerate() {
                         let mark = (number * CHUNK + i) as u32;
-                        self.touch(sample, mark, &mut scratch, &mut contacts);
+                        self.look(sample, around, mark, &mut slots, [&mut near, &mut behind]);
+                        let start = all.len();
+                        all.append(&mut near);
+                        starts.push([start as u32, all.len() as u32]);
+                        all.extend(behind.drain(..).take(BEHIND));
+                    }
+                    starts.push([all.len() as u32; 2]);
+                    (starts, all)
+                });
+            }
+        });
+        Neighbors { chunks }
+    }
+
+    /// All contacts with these neighbors, in order of the samples. They may be of the same coat as it stood a little before.
+    pub fn find(&self, neighbors: &Neighbors) -> Vec<Contact> {
+        let pool = ComputeTaskPool::get_or_init(TaskPool::default);
+        let parts = pool.scope(|scope| {
+            let chunks = self.samples.chunks(CHUNK).zip(&neighbors.chunks);
+            for (chunk, (starts, all)) in chunks {
+                scope.spawn(async move {
+                    let mut contacts = Vec::new();
+                    for (sample, bounds) in chunk.iter().zip(starts.windows(2)) {
+                        let [start, split, end] =
+                            [bounds[0][0], bounds[0][1], bounds[1][0]].map(|at| at as usize);
+                        self.touch(sample, &all[start..split], &mut contacts);
+                        self.avoid(sample, &all[split..end], &mut contacts);
                     }
                     contacts
                 });
@@ -250,12 +314,15 @@ impl<'a> Finder<'a> {
             && (p - q).dot(m - n) > -0.5 * self.median
     }
 
-    fn touch(
+    /// Looks around a sample: feathers that face the same way, those next in rank first, and those of the other face, the nearest
+    /// first.
+    fn look(
         &self,
         sample: &Sample,
+        around: &Columns<Seen>,
         mark: u32,
-        scratch: &mut Scratch,
-        contacts: &mut Vec<Contact>,
+        slots: &mut [(u32, u32)],
+        [near, behind]: [&mut Vec<Near>; 2],
     ) {
         let Seen {
             place,
@@ -265,14 +332,7 @@ impl<'a> Finder<'a> {
         } = sample.seen;
         let own = &self.leaves[leaf as usize].card;
         let radius = 0.5 * own.width.max(0.6 * self.median);
-        let Scratch {
-            slots,
-            near,
-            behind,
-        } = scratch;
-        near.clear();
-        behind.clear();
-        self.around.near(place, radius, |run| {
+        around.near(place, radius, |run| {
             for other in run {
                 let distance = other.place.distance_squared(place);
                 if distance > radius * radius || other.leaf == leaf {
@@ -311,32 +371,23 @@ impl<'a> Finder<'a> {
             let distance = a.distance.total_cmp(&b.distance);
             distance.then(a.leaf.cmp(&b.leaf))
         });
-        for other in behind.iter().take(BEHIND) {
-            let width = own.width.min(self.leaves[other.leaf as usize].card.width);
-            let Some((spot, height)) = self.over(place, -normal, other, width) else {
-                continue;
-            };
-            let raised = raise(&sample.spot, self.heights) + raise(&spot, self.heights);
-            contacts.push(Contact {
-                upper: sample.spot,
-                lower: spot,
-                height: -height - raised,
-                gap: GAP * width,
-                sign: 1.0,
-            });
-        }
         near.retain(|other| self.related(leaf, other.leaf));
         // What lies right above and right below passes the order on to the rest.
         let apart = |other: &Near| (self.leaves[other.leaf as usize].card.layer - own.layer).abs();
         near.sort_unstable_by(|a, b| apart(a).total_cmp(&apart(b)).then(a.leaf.cmp(&b.leaf)));
+    }
+
+    /// Adds the contacts of a sample with feathers that face the same way.
+    fn touch(&self, sample: &Sample, near: &[Near], contacts: &mut Vec<Contact>) {
+        let own = &self.leaves[sample.seen.leaf as usize].card;
         let mut found = 0;
-        for other in near.iter() {
+        for other in near {
             if found == NEXT {
                 break;
             }
             let card = &self.leaves[other.leaf as usize].card;
             let width = own.width.min(card.width);
-            let Some((spot, height)) = self.over(place, normal, other, width) else {
+            let Some((spot, height)) = self.over(&sample.seen, 1.0, other, width) else {
                 continue;
             };
             found += 1;
@@ -355,49 +406,60 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// Where on a feather a place projects to, and its height over it. `normal`: the way that the feather must face.
-    fn over(&self, place: Vec3, normal: Vec3, other: &Near, width: f32) -> Option<(Spot, f32)> {
+    /// Adds those with feathers behind it.
+    fn avoid(&self, sample: &Sample, behind: &[Near], contacts: &mut Vec<Contact>) {
+        let own = &self.leaves[sample.seen.leaf as usize].card;
+        for other in behind {
+            let width = own.width.min(self.leaves[other.leaf as usize].card.width);
+            let Some((spot, height)) = self.over(&sample.seen, -1.0, other, width) else {
+                continue;
+            };
+            let raised = raise(&sample.spot, self.heights) + raise(&spot, self.heights);
+            contacts.push(Contact {
+                upper: sample.spot,
+                lower: spot,
+                height: -height - raised,
+                gap: GAP * width,
+                sign: 1.0,
+            });
+        }
+    }
+
+    /// Where on a feather a sample projects to, and its height over it. `facing`: 1 if the feather must face as the sample does, -1 if
+    /// the other way.
+    fn over(&self, seen: &Seen, facing: f32, other: &Near, width: f32) -> Option<(Spot, f32)> {
         let block = &self.blocks[other.leaf as usize];
-        let reach = REACH * width;
+        let (reach, normal) = (REACH * width, seen.normal * facing);
         let last = block.rows - 1;
         let middle = other.along * last as f32;
         let from = (middle - 1.3).max(0.0) as usize;
         let to = ((middle + 1.3).ceil() as usize).min(last);
         let mut best: Option<(Spot, f32)> = None;
-        for i in from..to {
-            for j in 0..block.wide - 1 {
-                let (a, b) = (block.vertex(i, j), block.vertex(i, j + 1));
-                let (c, d) = (block.vertex(i + 1, j + 1), block.vertex(i + 1, j));
-                for corners in [[a, b, c], [a, c, d]] {
-                    let p = self.points[corners[0] as usize];
-                    let q = self.points[corners[1] as usize];
-                    let r = self.points[corners[2] as usize];
-                    let cross = (q - p).cross(r - p);
-                    let area = cross.length_squared();
-                    let delta = place - p;
-                    let lift = delta.dot(cross);
-                    if area < 1.0e-30
-                        || lift * lift > reach * reach * area
-                        || cross.dot(normal) <= 0.0
-                    {
-                        continue;
-                    }
-                    let v = (p - r).cross(place - r).dot(cross) / area;
-                    let w = (q - p).cross(delta).dot(cross) / area;
-                    let u = 1.0 - v - w;
-                    if u < 0.0 || v < 0.0 || w < 0.0 {
-                        continue;
-                    }
-                    let height = lift / area.sqrt();
-                    if best
-                        .as_ref()
-                        .is_none_or(|(_, known)| height.abs() < known.abs())
-                    {
-                        best = Some(([(corners[0], u), (corners[1], v), (corners[2], w)], height));
-                    }
+        for (i, j) in quads(block, from..to) {
+            let facets = &self.facets[block.vertex(i, j) as usize];
+            for (facet, number) in facets.iter().zip(0..) {
+                let offset = seen.place - facet.corner;
+                let height = offset.dot(facet.normal);
+                if height.abs() > reach || facet.normal.dot(normal) <= 0.0 {
+                    continue;
+                }
+                let [v, w] = facet.shares.map(|share| share.dot(offset));
+                let u = 1.0 - v - w;
+                if u < 0.0 || v < 0.0 || w < 0.0 {
+                    continue;
+                }
+                if best.is_none_or(|(_, known)| height.abs() < known.abs()) {
+                    let [p, q, r] = block.triangles(i, j)[number];
+                    best = Some(([(p, u), (q, v), (r, w)], height));
                 }
             }
         }
         best
     }
+}
+
+/// The quads of a feather whose first vertices lie in these rows.
+fn quads(block: &Block, rows: Range<usize>) -> impl Iterator<Item = (usize, usize)> {
+    let wide = block.wide - 1;
+    rows.flat_map(move |i| (0..wide).map(move |j| (i, j)))
 }

@@ -78,6 +78,8 @@ pub struct Tally {
     pub all: Count,
     /// By part of the body.
     pub parts: BTreeMap<&'static str, Count>,
+    /// Wrong pixels by the tract that is shown and the tract that should cover it.
+    pub tracts: BTreeMap<(u16, u16), usize>,
 }
 
 /// A groomed bird whose order is measured.
@@ -174,11 +176,18 @@ impl<'a> Measured<'a> {
                     let Some(card) = pixel.card() else { continue };
                     let one = Count {
                         feathers: 1,
-                        wrong: usize::from(matches!(pixel, Pixel::Wrong(_) | Pixel::WrongColor(_))),
-                        color: usize::from(matches!(pixel, Pixel::WrongColor(_))),
+                        wrong: usize::from(matches!(
+                            pixel,
+                            Pixel::Wrong(..) | Pixel::WrongColor(..)
+                        )),
+                        color: usize::from(matches!(pixel, Pixel::WrongColor(..))),
                         ..Count::default()
                     };
                     tally.all.add(&one);
+                    if let Some(missing) = pixel.missing() {
+                        let tracts = [card, missing].map(|i| self.coat.cards[i as usize].region);
+                        *tally.tracts.entry(tracts.into()).or_default() += 1;
+                    }
                     let part = self.bird.part(self.coat.cards[card as usize].region);
                     tally.parts.entry(part).or_default().add(&one);
                 }
@@ -222,6 +231,9 @@ impl Tally {
         self.all.add(&other.all);
         for (part, count) in &other.parts {
             self.parts.entry(part).or_default().add(count);
+        }
+        for (tracts, count) in &other.tracts {
+            *self.tracts.entry(*tracts).or_default() += count;
         }
     }
 }

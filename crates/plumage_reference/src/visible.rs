@@ -77,10 +77,10 @@ pub enum Pixel {
     Empty,
     /// The feather that belongs there.
     Right(u32),
-    /// A feather that another one of nearly the same color should cover.
-    Wrong(u32),
-    /// A feather that another one of another color should cover.
-    WrongColor(u32),
+    /// A feather that another one, the second, of nearly the same color should cover.
+    Wrong(u32, u32),
+    /// A feather that another one, the second, of another color should cover.
+    WrongColor(u32, u32),
 }
 
 impl Pixel {
@@ -88,7 +88,15 @@ impl Pixel {
     pub fn card(self) -> Option<u32> {
         match self {
             Self::Empty => None,
-            Self::Right(card) | Self::Wrong(card) | Self::WrongColor(card) => Some(card),
+            Self::Right(card) | Self::Wrong(card, _) | Self::WrongColor(card, _) => Some(card),
+        }
+    }
+
+    /// The feather that should cover the one shown.
+    pub fn missing(self) -> Option<u32> {
+        match self {
+            Self::Empty | Self::Right(_) => None,
+            Self::Wrong(_, card) | Self::WrongColor(_, card) => Some(card),
         }
     }
 }
@@ -274,9 +282,9 @@ impl Posed<'_> {
                     Some(right) => {
                         let away = colors[card as usize].distance(colors[right.card as usize]);
                         if away > COLOR {
-                            Pixel::WrongColor(card)
+                            Pixel::WrongColor(card, right.card)
                         } else {
-                            Pixel::Wrong(card)
+                            Pixel::Wrong(card, right.card)
                         }
                     }
                 }

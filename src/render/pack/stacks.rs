@@ -1,6 +1,6 @@
 //! Thin layers of the feathers that have some, behind the fibre tables (`feather_iridescence.wgsl`).
 
-use super::tables::{FEATHER_STRIDE, header};
+use super::layout::{FEATHER_STRIDE, header};
 use crate::{
     anatomy::Feather,
     maths::scattering::interference::{

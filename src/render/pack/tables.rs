@@ -1,42 +1,17 @@
 //! Feathers and their fibre tables as the shaders read them (`feather_data.wgsl`).
 
-use super::stacks::{self, StackTables};
+use super::{
+    layout::{FEATHER_STRIDE, HEADER_LENGTH, header},
+    stacks::{self, StackTables},
+};
 use crate::{
-    anatomy::{CONTOUR_ROWS, Feather, RACHIS_ROWS, Side},
+    anatomy::{Feather, Side},
     maths::query::{CardVane, Vane},
     maths::scattering::{
         FIBRE_ROW_VEC4S, FIBRE_ROWS, Fibre, FibreTable, KEPT_AZIMUTHS, KEPT_LEVELS,
-        SHEEN_TABLE_SIZE, SHORT_TABLE_VEC4S, kept_light, mean_caught, mirror_place, sheen_row,
+        SHORT_TABLE_VEC4S, kept_light, mean_caught, mirror_place, sheen_row,
     },
 };
-
-/// vec4s of a feather's header.
-pub const HEADER_LENGTH: usize = 42;
-/// Where the parts of a feather's header begin, in vec4s.
-pub mod header {
-    /// Aspect, length in metres, root of the lowest barb, 1: a dark back.
-    pub const SHAPE: usize = 0;
-    /// Three: sine and cosine of the angles of barbs and barbules; p_b, d_bl, r_b, r_bd; r_bp, fringe, downy.
-    pub const LEFT_VANE: usize = 1;
-    /// Likewise.
-    pub const RIGHT_VANE: usize = 4;
-    /// Strength and roughness; place of the thin layers in the buffer, 0: none.
-    pub const SHEEN: usize = 7;
-    /// Parameters of the four fibres, `FIBRE_PARAMETER_VEC4S` each: rachis, barb, distal, proximal.
-    pub const FIBRES: usize = 8;
-    /// Four, of the same: factor on the painted color; the chance that light meets another fibre, seen from front and back; fibre table.
-    pub const PARTS: usize = 36;
-    /// One over the integral over the sphere of what the vanes catch.
-    pub const CAUGHT: usize = 40;
-    /// Where mirror lobes leave barbs and barbules: azimuthal roughness, share of the way from the normal half way; both twice.
-    pub const MIRRORS: usize = 41;
-}
-/// vec4s of one feather.
-pub const FEATHER_STRIDE: usize = HEADER_LENGTH
-    + RACHIS_ROWS
-    + CONTOUR_ROWS
-    + SHEEN_TABLE_SIZE
-    + 16 * KEPT_LEVELS * KEPT_AZIMUTHS;
 
 /// Tables are counted in steps of this many, so that an edit seldom changes the size of the buffer.
 const TABLE_STEP: usize = 8;
@@ -58,9 +33,7 @@ impl TableCache {
             ..Self::default()
         }
     }
-}
 
-impl TableCache {
     /// Whether the short tables say all of these fibres.
     pub fn is_plain(&self) -> bool {
         self.tables.iter().all(|(_, table)| table.is_plain())

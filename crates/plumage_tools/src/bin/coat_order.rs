@@ -37,6 +37,9 @@ struct Args {
     /// Measure flicker too.
     #[arg(long)]
     flicker: bool,
+    /// Print the tracts that are most often in the wrong order.
+    #[arg(long)]
+    tracts: bool,
     /// Count the pairs that poke through each other, too.
     #[arg(long)]
     pairs: bool,
@@ -76,6 +79,27 @@ fn pairs(name: &str, found: &Overlaps) {
         100.0 * found.share(DEEP),
         100.0 * found.share(1.0e-3)
     );
+}
+
+/// Tracts printed at most.
+const TRACTS: usize = 16;
+
+fn tracts(bird: &SceneBird, sum: &Tally) {
+    let regions = bird.groom.regions.iter().map(|region| &region.name);
+    let names: Vec<&String> = regions
+        .chain(bird.groom.rows.iter().map(|row| &row.name))
+        .collect();
+    let name = |region: &u16| names.get(usize::from(*region)).map_or("?", |name| name);
+    let mut worst: Vec<_> = sum.tracts.iter().collect();
+    worst.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+    for ((shown, missing), count) in worst.into_iter().take(TRACTS) {
+        let share = 100.0 * *count as f32 / sum.all.feathers.max(1) as f32;
+        println!(
+            "  {share:.3} %: {} shows instead of {}",
+            name(shown),
+            name(missing)
+        );
+    }
 }
 
 fn main() {
@@ -119,6 +143,9 @@ fn main() {
             count.feathers
         );
     }
+    if args.tracts {
+        tracts(&bird, &sum);
+    }
     if let Some(output) = &args.output {
         if let Err(error) = picture(&measured, &args.times).save(output) {
             eprintln!("{output}: {error}");
@@ -150,8 +177,8 @@ fn picture(measured: &Measured, times: &[f32]) -> image::RgbImage {
                 let color = match *pixel {
                     Pixel::Empty => Vec3::splat(0.5),
                     Pixel::Right(card) => tint(card),
-                    Pixel::Wrong(_) => Vec3::new(0.9, 0.02, 0.02),
-                    Pixel::WrongColor(_) => Vec3::new(0.95, 0.9, 0.02),
+                    Pixel::Wrong(..) => Vec3::new(0.9, 0.02, 0.02),
+                    Pixel::WrongColor(..) => Vec3::new(0.95, 0.9, 0.02),
                 };
                 let srgb = color
                     .to_array()
