@@ -3,8 +3,7 @@
 //! left ([`FibreTable::is_plain`]); color enters last, one channel at a time. Twin of `scattering_short.wgsl`.
 
 use super::{
-    FIBRE_HARMONICS, FIBRE_ROWS, FibreReach, FibreRow, FibreTable, Lobe,
-    LongitudinalSpread,
+    FIBRE_HARMONICS, FIBRE_ROWS, FibreReach, FibreRow, FibreTable, Lobe, LongitudinalSpread,
     flat::ROUND,
     frame::polar,
     longitudinal_with,
