@@ -201,7 +201,6 @@ fn a_packed_feather_makes_the_round_trip() {
             let base = data::FEATHERS_BASE + i * data::FEATHER_STRIDE;
             let shape = row(base + data::SHAPE);
             let sheen = row(base + data::SHEEN);
-            let shares = row(base + data::SHARES);
             var values = array<f32, 32>();
             for (var side = 0u; side < 2u; side++) {
                 let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, side == 1u);
@@ -216,8 +215,8 @@ fn a_packed_feather_makes_the_round_trip() {
             values[24] = shape.z;
             values[25] = sheen.x;
             values[26] = sheen.y;
-            values[27] = shares.x;
-            values[28] = shares.y;
+            values[27] = row(base + data::PARTS).x;
+            values[28] = row(base + data::PARTS + 1u).x;
             values[29] = row(base + data::HEADER_LENGTH).z;
             values[30] = row(base + data::HEADER_LENGTH + data::RACHIS_SAMPLES + 100u).y;
             values[31] = row(0u).x;

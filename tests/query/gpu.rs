@@ -155,7 +155,7 @@ fn whole_query() {
             let notch = outline.z * exp(-0.5 * t * t);
             return vec2(outline.x * (1.0 - notch) + outline.y * (root - 0.5), outline.x * notch * t / 0.02 + outline.y);
         }
-        fn side(card: CardVane, start: f32, contour: vec3<f32>, f: Footprint, edge: f32, view: vec3<f32>, lod: u32) -> vec4<f32> {
+        fn side(card: CardVane, start: f32, contour: vec3<f32>, f: Footprint, edge: f32, view: vec3<f32>, lod: u32) -> vec3<f32> {
             let cotangent = barb_cotangent(card.vane.sin_b, card.vane.cos_b);
             let sight = outline_sight(f, cotangent, 1.0 / 255.0);
             var nodes = vec2(0.0);
@@ -163,14 +163,14 @@ fn whole_query() {
                 nodes += outline_node(sight, j, reach_at(contour, outline_root(sight, j)));
             }
             let outline = Outline(reach_at(contour, barb_root(f.mean, cotangent)), nodes.y / max(nodes.x, 1e-9));
-            return cover_vane(card, start, outline, f, edge, view, lod, LOD_MIXED, THRESHOLD);
+            return cover_vane(card, start, outline, f, edge, view, lod, LOD_MIXED, THRESHOLD).weights;
         }
         fn evaluate(i: u32) {
             let a = 25u * i;
             let vane = Vane(input[a], input[a + 1u], input[a + 2u], input[a + 3u], input[a + 4u], input[a + 5u], input[a + 6u],
                 input[a + 7u], input[a + 8u], 1.0);
             let f = Footprint(vec2(input[a + 9u], input[a + 10u]), vec3(input[a + 11u], input[a + 12u], input[a + 13u]));
-            let view = vec3(input[a + 14u], input[a + 15u], input[a + 16u]);
+            let view = normalize(vec3(input[a + 14u], input[a + 15u], input[a + 16u]));
             let contour = vec3(input[a + 18u], input[a + 19u], input[a + 20u]);
             let card = CardVane(vane, input[a + 21u], input[a + 22u]);
             let start = input[a + 23u];

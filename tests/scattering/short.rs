@@ -96,14 +96,28 @@ impl Short {
     fn shade(&self, case: &Case) -> ShortShading<f64> {
         let (i, fraction) = fibre_row_at(cosine(case.eye));
         let row = short_row_mix(&self.rows[i], &self.rows[i + 1], fraction, case.fine);
-        short_shading(
-            &self.head,
-            &row,
-            case.albedo,
-            case.eye,
-            case.dark_back,
-            case.frequency,
-        )
+        short_shading(&self.head, &row, case.eye, case.dark_back)
+    }
+
+    /// Of each channel: K where all light reaches the fibre and where `reach` of it does; the energies of R, TT or TRcT and the medulla.
+    fn colors(&self, case: &Case, reach: &FibreReach<f64>) -> [([f64; 2], [f64; 3]); 3] {
+        let s = self.shade(case);
+        let lobes = short_lobes(&s, case.light);
+        let all = FibreReach {
+            mirror: 1.0,
+            even: 1.0,
+            along: 0.0,
+            place: lobes.turn,
+        };
+        let [surface, second, medulla] = s.energy;
+        case.albedo.map(|albedo| {
+            let color = short_color(&s, albedo, case.frequency);
+            let lit = [&all, reach].map(|reach| short_lit(&s, &color, &lobes, reach));
+            (
+                lit,
+                [surface, second * color.second, medulla * color.scattered],
+            )
+        })
     }
 }
 
@@ -169,16 +183,14 @@ fn the_short_form_is_the_whole_one() {
         if case.frequency > 0.0 {
             whole.along = fibre_along(&p, &row, whole.absorption, case.frequency);
         }
-        let short = shorts[case.fibre].shade(case);
         let wanted = fibre_lit(&whole, &fibre_lobes(&whole, case.light), &reach);
-        let found = short_lit(&short, &short_lobes(&short, case.light), &reach);
-        let (surface, second, scattered) = short_energies(&short);
-        for c in 0..3 {
-            let error = (found[c] - wanted[c]) * 4.0 * PI;
+        let found = shorts[case.fibre].colors(case, &reach);
+        for (c, ([_, found], energies)) in found.iter().enumerate() {
+            let error = (found - wanted[c]) * 4.0 * PI;
             squares += error * error;
             sum += error;
             worst = worst.max(error.abs());
-            let all = surface + second[c] + scattered[c];
+            let all: f64 = energies.iter().sum();
             energy = energy.max((all - fibre_albedo(&whole)[c]).abs());
         }
     }
@@ -220,15 +232,14 @@ fn evaluate(i: u32) {
             row[k] = mix(load(first + 4u * from_row), load(first + 4u * (from_row + short::SHORT_ROW_LENGTH)), place.fraction);
         }
     }
-    let s = short::short_shading(head, row, albedo, omega_o, input[at + 10u], input[at + 11u], fine);
+    let s = short::short_shading(head, row, omega_o, input[at + 10u], fine);
     let lobes = short::short_lobes(s, omega_i);
-    let lit = short::short_lit(s, lobes, scattering::FibreReach(0.8, 0.6, 0.2, 0.3));
-    let energy = short::short_energies(s);
     for (var c = 0u; c < 3u; c++) {
-        output[12u * i + c] = lobes.mirror[c] + lobes.even[c];
-        output[12u * i + 3u + c] = lit[c];
-        output[12u * i + 6u + c] = energy.second[c];
-        output[12u * i + 9u + c] = energy.scattered[c] + energy.surface;
+        let color = short::short_color(s, albedo[c], input[at + 11u]);
+        output[12u * i + c] = short::short_lit(s, color, lobes, scattering::FibreReach(1.0, 1.0, 0.0, lobes.turn));
+        output[12u * i + 3u + c] = short::short_lit(s, color, lobes, scattering::FibreReach(0.8, 0.6, 0.2, 0.3));
+        output[12u * i + 6u + c] = s.energy.y * color.second;
+        output[12u * i + 9u + c] = s.energy.z * color.scattered + s.energy.x;
     }
 }
 ";
@@ -301,17 +312,14 @@ fn evaluate(i: u32) {
             frequency: f64::from(case.frequency as f32),
             fine: case.fine,
         };
-        let s = shorts[case.fibre].shade(&given);
-        let lobes = short_lobes(&s, given.light);
-        let lit = short_lit(&s, &lobes, &reach);
-        let (surface, second, scattered) = short_energies(&s);
         let beta = f64::from(fibres[case.fibre].longitudinal_roughness);
         let peak = (0.4 / (0.5 * beta)).max(1.0) / PI;
-        for c in 0..3 {
+        let wanted = shorts[case.fibre].colors(&given, &reach);
+        for (c, ([whole, lit], [surface, second, medulla])) in wanted.into_iter().enumerate() {
             let off = |k: usize, wanted: f64| (f64::from(found[k + c]) - wanted).abs();
-            let error = off(0, lobes.sum()[c]).max(off(3, lit[c])) / peak;
+            let error = off(0, whole).max(off(3, lit)) / peak;
             worst[0] = worst[0].max(error);
-            let error = off(6, second[c]).max(off(9, scattered[c] + surface));
+            let error = off(6, second).max(off(9, medulla + surface));
             worst[1] = worst[1].max(error);
         }
     }

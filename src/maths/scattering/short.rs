@@ -1,10 +1,9 @@
 //! The short form of a fibre: round, and what does not depend on color or light taken out when a feather is packed. FAR cards take all
 //! eight terms of the series, MEAN cards four. The same lobes as [`fibre_lobes`](super::fibre_lobes), less those of which no light is
-//! left ([`FibreTable::is_plain`]). Twin of `scattering_short.wgsl`.
+//! left ([`FibreTable::is_plain`]); color enters last, one channel at a time. Twin of `scattering_short.wgsl`.
 
 use super::{
-    FIBRE_HARMONICS, FIBRE_ROWS, FibreLobes, FibreReach, FibreRow, FibreTable, Lobe,
-    LongitudinalSpread,
+    FIBRE_HARMONICS, FIBRE_ROWS, FibreReach, FibreRow, FibreTable, Lobe, LongitudinalSpread,
     flat::ROUND,
     frame::polar,
     longitudinal_with,
@@ -52,25 +51,15 @@ pub type ShortRow<T> = [[T; 4]; SHORT_ROW_VEC4S];
 /// What a level of detail reads of a row: energies, laws, medulla, and eight terms of each series.
 pub type ShortTerms<T> = [[T; 4]; 9];
 
-/// Everything about a fibre and the eye that the lights of a pixel share.
+/// Everything about a fibre and the eye that the lights and colors of a pixel share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShortShading<T> {
     /// Energies of R, of TT or TRcT, and of the medulla, before color.
     pub energy: [T; 3],
     /// Terms of R, TT or TRcT, and the dense TT.
     pub series: [[T; FIBRE_HARMONICS]; 3],
-    /// Color of TT or TRcT.
-    pub second: [T; 3],
-    /// Color of the medulla's light.
-    pub scattered: [T; 3],
-    /// How far TT goes from the clear to the dense shape.
-    pub dense: [T; 3],
     /// Medulla: both terms, and the slope in the sine of the light's inclination.
     pub medulla: [T; 3],
-    /// How much of its light remembers where it entered, around the fibre and along it.
-    pub around: [T; 3],
-    /// See [`Self::around`].
-    pub along: [T; 3],
     /// Sine and cosine of the eye's inclination: R; TT or TRcT.
     pub eye: [(T, T); 2],
     /// Of the same.
@@ -81,6 +70,42 @@ pub struct ShortShading<T> {
     pub back: [T; 2],
     /// Has a mirror core.
     pub structural: bool,
+    /// Lowest albedo, one over the rest, exponent and factor of the absorption of a color.
+    pub absorption: [T; 4],
+    /// t and k of TT, or the shares of round trips of a mirror core head on and here.
+    pub through: [T; 2],
+    /// t and k of the medulla; how fast light forgets its place around and along the fibre, times t.
+    pub inside: [T; 4],
+}
+
+/// K of one light before color; see [`ShortShading`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShortLobes<T> {
+    /// R.
+    pub surface: T,
+    /// TT or TRcT.
+    pub clear: T,
+    /// TT of a dense fibre.
+    pub thick: T,
+    /// Medulla.
+    pub scattered: T,
+    /// Cosine of the azimuth between eye and light.
+    pub turn: T,
+}
+
+/// What one channel of the color makes of a fibre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShortColor<T> {
+    /// Factor on TT or TRcT.
+    pub second: T,
+    /// Factor on the medulla's light.
+    pub scattered: T,
+    /// How far TT goes from the clear to the dense shape.
+    pub dense: T,
+    /// How much of the medulla's light remembers where it entered, around the fibre and along it.
+    pub around: T,
+    /// See [`Self::around`].
+    pub along: T,
 }
 
 impl FibreTable {
@@ -197,15 +222,12 @@ pub fn short_row_mix<T: Real>(
     out
 }
 
-/// Prepares a fibre for the lights of one pixel; see [`fibre_shading`](super::fibre_shading). `frequency`: see
-/// [`fibre_along`](super::fibre_along), 0 where no shadow lies along the fibre.
+/// Prepares a fibre for the lights and colors of one pixel; see [`fibre_shading`](super::fibre_shading).
 pub fn short_shading<T: Real>(
     head: &[[T; 4]; SHORT_HEAD_VEC4S],
     row: &ShortTerms<T>,
-    albedo: [T; 3],
     omega_o: [T; 3],
     dark_back: T,
-    frequency: T,
 ) -> ShortShading<T> {
     let (zero, one) = (T::zero(), T::one());
     let ((sine, cosine), azimuth) = polar(omega_o);
@@ -213,66 +235,73 @@ pub fn short_shading<T: Real>(
         .map(|[s, c, _, _]| (sine * c - cosine * s, (cosine * c + sine * s).abs()));
     let spread =
         [head[0], head[1]].map(|[_, _, inverse, scale]| LongitudinalSpread { inverse, scale });
-    let [fresnel, per_rest, exponent, per_t] = head[2];
     let structural = head[3][0] > real(0.5);
     let forward = if sine < zero { -one } else { one };
     let [_, second, fourth, last] = row[0];
     let per = |energy: T| one / energy.max(real(1e-9));
-    let last = last * per(if structural { second } else { fourth });
-    let [t, k] = [row[1][0], row[1][1]].map(|x| x * per(second));
-    let of_medulla = [row[1][2], row[1][3], row[2][2], row[2][3]].map(|x| x * per(fourth));
-    let [medulla_t, medulla_k, around, along] = of_medulla;
-    let mut s = ShortShading {
+    let per_last = per(if structural { second } else { fourth });
+    let last = last * per_last;
+    let (through, inside) = if structural {
+        ([head[3][1], last], [zero; 4])
+    } else {
+        (
+            [row[1][0], row[1][1]].map(|x| x * per(second)),
+            [row[1][2], row[1][3], row[2][2], row[2][3]].map(|x| x * per_last),
+        )
+    };
+    ShortShading {
         energy: [row[0][0], row[0][1], row[0][2]],
         series: [3, 5, 7].map(|v| std::array::from_fn(|n| row[v + n / 4][n % 4])),
-        second: [zero; 3],
-        scattered: [zero; 3],
-        dense: [zero; 3],
         medulla: [row[2][0], row[2][1], last * forward],
-        around: [zero; 3],
-        along: [zero; 3],
         eye,
         spread,
         azimuth,
         back: [head[3][2], clamp(dark_back, zero, one)],
         structural,
-    };
-    for (c, &color) in albedo.iter().enumerate() {
-        let y = (clamp(color, fresnel + real(0.002), real(0.995)) - fresnel) * per_rest;
-        if structural {
-            // Core and round trips in one fraction.
-            let (head_on, here) = (head[3][1], last);
-            s.second[c] = y * (one - here) / (one - head_on + (head_on - here) * y);
-            continue;
-        }
-        let grown = (y.log2() * exponent).min(real(86.0)).exp2();
-        let sigma = ((grown - one) * per_t).min(real(1e4));
-        s.dense[c] = ((sigma + sigma) / (real::<T>(2.0) + sigma)).min(real(1.3));
-        s.second[c] = (-k * (one + sigma * t).log2()).exp2();
-        let paths = one + sigma * medulla_t;
-        let before = paths.log2();
-        s.scattered[c] = (-medulla_k * before).exp2();
-        let memory = |rate: T| (medulla_k * (before - (paths + rate).log2())).exp2();
-        s.around[c] = memory(around) * real(TWICE_SILHOUETTE);
-        if frequency > zero {
-            let left = memory(along);
-            s.along[c] = left / (left + frequency * (one - left)).max(real(1e-6));
-        }
+        absorption: head[2],
+        through,
+        inside,
     }
-    s
 }
 
-/// Energies of R, of TT or TRcT, and of the medulla.
-pub fn short_energies<T: Real>(s: &ShortShading<T>) -> (T, [T; 3], [T; 3]) {
-    (
-        s.energy[0],
-        s.second.map(|x| s.energy[1] * x),
-        s.scattered.map(|x| s.energy[2] * x),
-    )
+/// One channel of a fibre's color. `frequency`: see [`fibre_along`](super::fibre_along), 0 where no shadow lies along the fibre.
+pub fn short_color<T: Real>(s: &ShortShading<T>, albedo: T, frequency: T) -> ShortColor<T> {
+    let (zero, one) = (T::zero(), T::one());
+    let [fresnel, per_rest, exponent, per_t] = s.absorption;
+    let y = (clamp(albedo, fresnel + real(0.002), real(0.995)) - fresnel) * per_rest;
+    let mut color = ShortColor {
+        second: zero,
+        scattered: zero,
+        dense: zero,
+        around: zero,
+        along: zero,
+    };
+    if s.structural {
+        // Core and round trips in one fraction.
+        let [head_on, here] = s.through;
+        color.second = y * (one - here) / (one - head_on + (head_on - here) * y);
+        return color;
+    }
+    let grown = (y.log2() * exponent).min(real(86.0)).exp2();
+    let sigma = ((grown - one) * per_t).min(real(1e4));
+    let [t, k] = s.through;
+    let [medulla_t, medulla_k, around, along] = s.inside;
+    color.dense = ((sigma + sigma) / (real::<T>(2.0) + sigma)).min(real(1.3));
+    color.second = (-k * (one + sigma * t).log2()).exp2();
+    let paths = one + sigma * medulla_t;
+    let before = paths.log2();
+    color.scattered = (-medulla_k * before).exp2();
+    let memory = |rate: T| (medulla_k * (before - (paths + rate).log2())).exp2();
+    color.around = memory(around) * real(TWICE_SILHOUETTE);
+    if frequency > zero {
+        let left = memory(along);
+        color.along = left / (left + frequency * (one - left)).max(real(1e-6));
+    }
+    color
 }
 
-/// K for light from `omega_i`, by how its light moves inside the fibre; see [`fibre_lobes`](super::fibre_lobes).
-pub fn short_lobes<T: Real>(s: &ShortShading<T>, omega_i: [T; 3]) -> FibreLobes<T> {
+/// K for light from `omega_i` before color; see [`fibre_lobes`](super::fibre_lobes).
+pub fn short_lobes<T: Real>(s: &ShortShading<T>, omega_i: [T; 3]) -> ShortLobes<T> {
     let (zero, one, two) = (T::zero(), T::one(), real::<T>(2.0));
     let (light, azimuth) = polar(omega_i);
     let o = s.azimuth;
@@ -288,6 +317,7 @@ pub fn short_lobes<T: Real>(s: &ShortShading<T>, omega_i: [T; 3]) -> FibreLobes<
     let m = |i: usize| longitudinal_with(s.eye[i], light, s.spread[i]);
     let surface = density(s.energy[0], &s.series[0]).max(zero) * m(0);
     let clear = density(s.energy[1], &s.series[1]);
+    let second = m(1);
     if s.structural {
         let raw = [o[0] + azimuth[0], o[1] + azimuth[1]];
         let square = raw[0] * raw[0] + raw[1] * raw[1];
@@ -299,41 +329,44 @@ pub fn short_lobes<T: Real>(s: &ShortShading<T>, omega_i: [T; 3]) -> FibreLobes<
         let b = s.back[0];
         let x = clamp((half + b) / (b + b), zero, one);
         let lit = x * x * (real::<T>(3.0) - x - x);
-        let core = clear.max(zero) * m(1) * (one + (lit - one) * s.back[1]);
-        return FibreLobes {
-            mirror: s.second.map(|color| surface + color * core),
-            even: [zero; 3],
+        return ShortLobes {
+            surface,
+            clear: clear.max(zero) * second * (one + (lit - one) * s.back[1]),
+            thick: zero,
+            scattered: zero,
             turn,
         };
     }
-    let through = m(1);
-    let dense = density(s.energy[1], &s.series[2]);
     let [first, twice, slope] = s.medulla;
     let scattered = (s.energy[2] + first * turn + twice * (two * turn * turn - one)).max(zero)
         * light.1
         * (one + slope * light.0).max(zero)
         * real(1.0 / (PI * PI));
-    FibreLobes {
-        mirror: [surface; 3],
-        even: std::array::from_fn(|c| {
-            let tt = (clear + (dense - clear) * s.dense[c]).max(zero) * through;
-            s.second[c] * tt + s.scattered[c] * scattered
-        }),
+    ShortLobes {
+        surface,
+        clear: clear * second,
+        thick: density(s.energy[1], &s.series[2]) * second,
+        scattered,
         turn,
     }
 }
 
-/// K of a fibre among others; see [`fibre_lit`](super::fibre_lit).
+/// K of one channel, of a fibre among others; see [`fibre_lit`](super::fibre_lit).
 pub fn short_lit<T: Real>(
     s: &ShortShading<T>,
-    lobes: &FibreLobes<T>,
+    color: &ShortColor<T>,
+    lobes: &ShortLobes<T>,
     reach: &FibreReach<T>,
-) -> [T; 3] {
+) -> T {
     let (zero, one) = (T::zero(), T::one());
-    std::array::from_fn(|c| {
-        let share = (reach.even + reach.along * s.along[c]).max(zero);
-        let around = (one + s.around[c] * reach.place).max(zero)
-            / (one + s.around[c] * lobes.turn).max(real(0.1));
-        reach.mirror * lobes.mirror[c] + (share * around).min(one + one) * lobes.even[c]
-    })
+    if s.structural {
+        return reach.mirror * (lobes.surface + color.second * lobes.clear);
+    }
+    let share = (reach.even + reach.along * color.along).max(zero);
+    let around = (one + color.around * reach.place).max(zero)
+        / (one + color.around * lobes.turn).max(real(0.1));
+    let through = (lobes.clear + (lobes.thick - lobes.clear) * color.dense).max(zero);
+    reach.mirror * lobes.surface
+        + (share * around).min(one + one)
+            * (color.second * through + color.scattered * lobes.scattered)
 }

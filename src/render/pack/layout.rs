@@ -19,12 +19,8 @@ pub mod header {
     pub const SHEEN: usize = 7;
     /// Parameters of the four fibres, `FIBRE_PARAMETER_VEC4S` each: rachis, barb, distal, proximal.
     pub const FIBRES: usize = 8;
-    /// Table of each of the four.
-    pub const TABLES: usize = 36;
-    /// Factor on the painted color of each of the four.
-    pub const SHARES: usize = 37;
-    /// Two: the chance of each of the four that its light meets another fibre, seen from front and back.
-    pub const MEETING: usize = 38;
+    /// Four, of the same: factor on the painted color; the chance that light meets another fibre, seen from front and back; fibre table.
+    pub const PARTS: usize = 36;
     /// One over the integral over the sphere of what the vanes catch.
     pub const CAUGHT: usize = 40;
     /// Where mirror lobes leave barbs and barbules: azimuthal roughness, share of the way from the normal half way; both twice.

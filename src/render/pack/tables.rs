@@ -196,12 +196,6 @@ fn pack_feather(
         put(header::FIBRES + parameters.len() * slot, &parameters);
         index[slot] = table as f32;
     }
-    put(header::TABLES, &[index]);
-    let share = feather.albedo.share;
-    put(
-        header::SHARES,
-        &[[share.rachis, share.barb, share.barbule, share.barbule]],
-    );
     let vanes = Side::BOTH.map(|side| feather.query_vane(side));
     let dark_back = feather.albedo.back.is_none();
     let alike =
@@ -215,10 +209,12 @@ fn pack_feather(
         let tables = index.map(|i: f32| &found.tables[i as usize].1);
         Kept::new(vanes, fibres, tables, dark_back)
     });
-    put(
-        header::MEETING,
-        &kept.faces.each_ref().map(|(meeting, _)| *meeting),
-    );
+    let share = feather.albedo.share;
+    let shares = [share.rachis, share.barb, share.barbule, share.barbule];
+    let [(front, _), (back, _)] = &kept.faces;
+    let parts: [[f32; 4]; 4] =
+        std::array::from_fn(|part| [shares[part], front[part], back[part], index[part]]);
+    put(header::PARTS, &parts);
     put(header::CAUGHT, &[[kept.caught, 0.0, 0.0, 0.0]]);
     let [barb, barbule] = [1, 2].map(|slot| mirror_place(&found.tables[index[slot] as usize].1));
     let mirrors = [barb.blur, barb.retreat, barbule.blur, barbule.retreat];

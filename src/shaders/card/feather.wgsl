@@ -7,13 +7,12 @@
     feather_lighting as light,
     feather_near::{NearFootprint, near_footprint},
     feather_opacity::{LEAST_OPACITY, leaves_hole, sample_bits},
-    feather_shadow::{caught_light, kept_light, light_ray, part_eye, part_reach, shadowing_of},
+    feather_shadow::{Reaches, caught_light, kept_light, kept_place, light_ray, reach_of, reaches_of, shadowing_of},
     scattering::{
-        FIBRE_PARAMETER_LENGTH, FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreRow, fibre_along, fibre_lit, fibre_lobes,
+        FIBRE_PARAMETER_LENGTH, FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreReach, FibreRow, fibre_along, fibre_lit, fibre_lobes,
         fibre_parameters, fibre_row_at, fibre_row_mix, fibre_shading, fibre_terms, multiple_scattering, single_scattering_albedo,
     },
     scattering_near::{fibre_near, fibre_near_lobes, fibre_window},
-    shadow::VaneRay,
     sheen::{sheen_albedo, sheen_evaluate, sheen_place, sheen_tint},
 }
 #ifdef PLAIN_FIBRES
@@ -25,12 +24,13 @@
 #endif
 #ifdef IRIDESCENT
 #import bevy_plumage::feather_iridescence::{
-    ONE_LOOK, Shimmer, shimmer_let_in, shimmer_let_in_short, shimmer_lobe, shimmer_mirror, shimmer_of, shimmer_reflected,
-    shimmer_roughness,
+    ONE_LOOK, Shimmer, shimmer_entering, shimmer_let_in, shimmer_lobe, shimmer_mirror, shimmer_of, shimmer_over_short,
+    shimmer_reflected, shimmer_roughness,
 }
 #endif
 #ifdef SAMPLED_ENVIRONMENT
 #import bevy_plumage::feather_environment::sampled_environment
+#import bevy_plumage::feather_shadow::part_eye
 #endif
 #ifdef OIT_ENABLED
 #import bevy_core_pipeline::oit::oit_draw
@@ -57,8 +57,8 @@ const ROUNDING: f32 = 0.0;
 // What a fragment adds in the overdraw view: sixteen make white.
 const OVERDRAW_STEP: f32 = 0.0625;
 
-// Direction of a component's fibres in the frame of the card (the map shears along a curved rachis).
-fn fibre_tangent(part: u32, angles: vec4<f32>, right: bool, slope: f32, aspect: f32) -> vec2<f32> {
+// Direction of a component's fibres in the frame of the card; `shear`: of the map along a curved rachis.
+fn fibre_tangent(part: u32, angles: vec4<f32>, right: bool, shear: f32) -> vec2<f32> {
     var v = vec2(0.0, 1.0);
     let barb = vec2(-angles.x, angles.y);
     if (part == BARB) { v = barb; }
@@ -66,12 +66,22 @@ fn fibre_tangent(part: u32, angles: vec4<f32>, right: bool, slope: f32, aspect: 
     if (part == DISTAL) { v = vec2(barb.x * angles.w + barb.y * angles.z, barb.y * angles.w - barb.x * angles.z); }
     if (part == PROXIMAL) { v = vec2(barb.x * angles.w - barb.y * angles.z, barb.y * angles.w + barb.x * angles.z); }
     if (right) { v.x = -v.x; }
-    return normalize(vec2(v.x + slope * aspect * v.y, v.y));
+    return normalize(vec2(v.x + shear * v.y, v.y));
 }
 
 // A direction of the card in the frame of a fibre: along it, across (the normal crossed with it), along the normal.
 fn in_fibre(tangent: vec2<f32>, hand: f32, direction: vec3<f32>) -> vec3<f32> {
     return vec3(dot(tangent, direction.xy), hand * (tangent.y * direction.x - tangent.x * direction.y), direction.z);
+}
+
+// A light as the fibres of a fragment see it.
+struct Arriving {
+    color: vec3<f32>,
+    // In the frame of the card.
+    direction: vec3<f32>,
+    // How much the vane catches of it.
+    caught: f32,
+    reaches: Reaches,
 }
 
 // The fibre of one component, its table read at the eye's inclination.
@@ -82,7 +92,7 @@ struct Part {
     eye: vec3<f32>,
 }
 
-fn read_part(base: u32, part: u32, tangent: vec2<f32>, frame: Frame) -> Part {
+fn read_part(base: u32, part: u32, index: f32, tangent: vec2<f32>, frame: Frame) -> Part {
     let slot = base + data::FIBRES + FIBRE_PARAMETER_LENGTH * part;
     var packed: array<vec4<f32>, FIBRE_PARAMETER_LENGTH>;
     for (var i = 0u; i < FIBRE_PARAMETER_LENGTH; i++) {
@@ -90,7 +100,7 @@ fn read_part(base: u32, part: u32, tangent: vec2<f32>, frame: Frame) -> Part {
     }
     let eye = in_fibre(tangent, frame.hand, frame.local_eye);
     let place = fibre_row_at(sqrt(max(1.0 - eye.x * eye.x, 0.0)));
-    let table = u32(feather_at(0u).y) + u32(feather_at(base + data::TABLES)[part]) * FIBRE_ROW_COUNT * FIBRE_ROW_LENGTH;
+    let table = u32(feather_at(0u).y) + u32(index) * FIBRE_ROW_COUNT * FIBRE_ROW_LENGTH;
     let first = table + place.index * FIBRE_ROW_LENGTH;
     var low: array<vec4<f32>, FIBRE_ROW_LENGTH>;
     var high: array<vec4<f32>, FIBRE_ROW_LENGTH>;
@@ -117,22 +127,15 @@ fn family_light(seen: light::Fragment, side: vec3<f32>, frame: Frame, tangent: v
 
 #ifdef PLAIN_FIBRES
 // The fibre of one component from its short table, prepared for the lights.
-fn short_part(
-    base: u32,
-    part: u32,
-    eye: vec3<f32>,
-    albedo: vec3<f32>,
-    dark_back: f32,
-    frequency: f32,
-) -> short::ShortShading {
-    let table = u32(feather_at(0u).w) + u32(feather_at(base + data::TABLES)[part]) * short::SHORT_TABLE_LENGTH;
-    var head: array<vec4<f32>, 4>;
+fn short_part(index: f32, eye: vec3<f32>, dark_back: f32) -> short::ShortShading {
+    let table = u32(feather_at(0u).w) + u32(index) * short::SHORT_TABLE_LENGTH;
+    var head = array<vec4<f32>, 4>();
     for (var i = 0u; i < short::SHORT_HEAD_LENGTH; i++) {
         head[i] = feather_at(table + i);
     }
     let place = fibre_row_at(sqrt(max(1.0 - eye.x * eye.x, 0.0)));
     let first = table + short::SHORT_HEAD_LENGTH + place.index * short::SHORT_ROW_LENGTH;
-    var row: array<vec4<f32>, 9>;
+    var row = array<vec4<f32>, 9>();
 #ifdef ONLY_MEAN
     // Of every series the four terms.
     for (var i = 0u; i < 6u; i++) {
@@ -147,7 +150,7 @@ fn short_part(
     }
     let fine = true;
 #endif
-    return short::short_shading(head, row, albedo, eye, dark_back, frequency, fine);
+    return short::short_shading(head, row, eye, dark_back, fine);
 }
 #endif
 
@@ -211,7 +214,7 @@ fn fragment(in: FeatherVertex) -> FeatherColor {
         color = lobe_color(in, base, shape, frame, covered, albedo);
     }
 #else
-    let color = shade(in, base, shape, frame, covered, albedo) / opacity;
+    let color = shade(in, base, shape, frame, covered, albedo, opacity);
 #endif
 #ifdef BLENDED
     let alpha = opacity;
@@ -227,12 +230,21 @@ fn fragment(in: FeatherVertex) -> FeatherColor {
     return out;
 }
 
-// Light from the fragment towards the eye, times coverage (premultiplied).
-fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: Covered, albedo: vec3<f32>) -> vec3<f32> {
-    let angles = feather_at(base + select(data::LEFT_VANE, data::RIGHT_VANE, covered.right));
-    let slope = rachis_at(base, in.uv.y).y;
+// Light from the fragment towards the eye, where its coverage is `opacity` in all.
+fn shade(
+    in: FeatherVertex,
+    base: u32,
+    shape: vec4<f32>,
+    frame: Frame,
+    covered: Covered,
+    albedo: vec3<f32>,
+    opacity: f32,
+) -> vec3<f32> {
+    let vane = base + select(data::LEFT_VANE, data::RIGHT_VANE, covered.right);
+    let shear = rachis_at(base, in.uv.y).y * shape.x;
     let seen = light::fragment_of(in.world_position, frame.normal, in.position, in.instance_index);
-    let eye_side = select(-frame.normal, frame.normal, frame.local_eye.z >= 0.0);
+    let front = frame.local_eye.z >= 0.0;
+    let eye_side = select(-frame.normal, frame.normal, front);
     let level = class_of(in);
     // Where a fibre may be wider than the pixel, the place on it matters.
     let resolved = level == data::CARD_NEAR || level == data::CARD_MIXED;
@@ -241,24 +253,22 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
         near = near_footprint(base, in.uv.y, covered.footprint, frame.local_eye, covered.right);
     }
 
-    let meetings = feather_at(base + data::MEETING + select(1u, 0u, frame.local_eye.z >= 0.0));
-
     // Sheen takes its share first.
     let fuzz = feather_at(base + data::SHEEN);
-    let opacity = dot(covered.weights, vec4(1.0));
     let sheen = sheen_at(base, sheen_place(abs(frame.local_eye.z)));
-    let shares = feather_at(base + data::SHARES);
-    let tint = sheen_tint(albedo * shares[DISTAL]);
+    let tint = sheen_tint(albedo * feather_at(base + data::PARTS + DISTAL).x);
     let fuzz_albedo = sheen_albedo(sheen, fuzz.x);
     let base_share = 1.0 - fuzz_albedo * max(max(tint.x, tint.y), tint.z);
+    let fuzz_tint = fuzz.x * tint;
 
     // The part of the sky that the feathers above leave open grows towards the tip.
     let open = 1.0 - settings.shelter * (1.0 - smoothstep(0.05, 0.8, in.uv.y));
     let reflected = reflect(-frame.eye, eye_side);
 #ifdef IRIDESCENT
     // Of all mirrors of a vane thin layers are the brightest.
-    let vane_barb = fibre_tangent(BARB, angles, covered.right, slope, shape.x);
-    let mirror = shimmer_mirror(base, vane_barb, angles);
+    let vane_angles = feather_at(vane);
+    let vane_barb = fibre_tangent(BARB, vane_angles, covered.right, shear);
+    let mirror = shimmer_mirror(base, vane_barb, vane_angles);
     let mirror_normal = mirror.x * frame.across + mirror.y * frame.along + mirror.z * frame.normal;
     let around = light::environment(seen, eye_side, reflect(-frame.eye, mirror_normal), mirror.w);
 #else
@@ -266,147 +276,178 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
 #endif
     let behind = light::environment(seen, -eye_side, -frame.eye, 0.8);
 
-    var sum = opacity * fuzz_albedo * tint * around.irradiance * open;
+    let shares = covered.weights / opacity;
+    var sum = fuzz_albedo * tint * around.irradiance * open;
     let lights = light::lights_of(seen);
     var first = 0u;
     // Lights are fetched once (shadows are dear) and then seen by every component, a batch at a time.
     loop {
-        // Found anew for every batch, so that its many numbers need not be kept while the fibres are looked at.
-        let shadowing = shadowing_of(base, in.uv.y, covered, frame);
-        var batch: array<light::Light, BATCH>;
-        // In the frame of the card, and how much the vane catches of it.
-        var towards: array<vec4<f32>, BATCH>;
-        var rays: array<VaneRay, BATCH>;
+        // Said to be zero: what is only declared in a loop keeps, and holds in registers, what it was in the turn before.
+        var batch = array<Arriving, BATCH>();
         let count = min(lights.count - first, BATCH);
         for (var i = 0u; i < count; i++) {
-            batch[i] = light::light_at(seen, lights, first + i);
-            let there = batch[i].direction;
-            let local = vec3(dot(there, frame.across), dot(there, frame.along), dot(there, frame.normal));
-            rays[i] = light_ray(shadowing, local);
-            towards[i] = vec4(local, caught_light(shadowing, rays[i]));
-            sum += opacity * fuzz.x * tint * batch[i].color * sheen_evaluate(sheen, eye_side, frame.eye, batch[i].direction);
+            let found = light::light_at(seen, lights, first + i);
+            let there = found.direction;
+            batch[i].color = found.color;
+            batch[i].direction = vec3(dot(there, frame.across), dot(there, frame.along), dot(there, frame.normal));
+            let up = vec3(0.0, 0.0, select(-1.0, 1.0, front));
+            sum += fuzz_tint * found.color * sheen_evaluate(sheen, up, frame.local_eye, batch[i].direction);
         }
+        // Found anew for every batch and behind its shadow maps, so that its many numbers need not be kept.
+        let shadowing = shadowing_of(base, in.uv.y, covered, frame);
+        for (var i = 0u; i < count; i++) {
+            let ray = light_ray(shadowing, batch[i].direction);
+            batch[i].caught = caught_light(shadowing, ray);
+            batch[i].reaches = reaches_of(shadowing, ray);
+        }
+        let kept = kept_place(base, covered.right, frame);
         var passed = 0.0;
         for (var part = 0u; part < 4u; part++) {
-            let weight = covered.weights[part];
-            if (weight <= LEAST_SHARE * opacity) {
+            let share = shares[part];
+            if (share <= LEAST_SHARE) {
                 continue;
             }
-            let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x);
-            let painted = min(albedo * shares[part], vec3(0.98));
-            let single = single_scattering_albedo(painted, settings.multiple_scattering * meetings[part]);
-#ifdef PLAIN_FIBRES
+            let about = feather_at(base + data::PARTS + part);
+            let angles = feather_at(vane);
+            let tangent = fibre_tangent(part, angles, covered.right, shear);
+            let meets = settings.multiple_scattering * select(about.z, about.y, front);
             let eye = in_fibre(tangent, frame.hand, frame.local_eye);
+            // What it keeps of light from all around, lobe by lobe. Light that leaves it meets another fibre where light from all
+            // around would be kept off.
+#ifdef PLAIN_FIBRES
             let frequency = select(0.0, shadowing.frequency, part == shadowing.lower);
+            var shading = short_part(about.w, eye, shape.w);
 #ifdef IRIDESCENT
-            var shading = short_part(base, part, eye, single, shape.w, frequency);
             let tipward = in_fibre(tangent, frame.hand, vec3(vane_barb, 0.0)).y;
-            let shimmer = shimmer_of(base, part, eye, tipward, painted, in.uv);
-            shading = shimmer_let_in_short(shading, shimmer);
-#else
-            let shading = short_part(base, part, eye, single, shape.w, frequency);
+            let shimmer = shimmer_of(base, part, eye, tipward, min(albedo * about.x, vec3(0.98)), in.uv);
+            let entering = shimmer_entering(shimmer, shading.energy.x);
+            shading = shimmer_over_short(shading, shimmer);
 #endif
-            let energies = short::short_energies(shading);
+            var lobes = array<short::ShortLobes, BATCH>();
+            var reaching = array<FibreReach, BATCH>();
+            for (var i = 0u; i < count; i++) {
+                lobes[i] = short::short_lobes(shading, in_fibre(tangent, frame.hand, batch[i].direction));
+                reaching[i] = reach_of(batch[i].reaches, part, shadowing.lower, lobes[i].turn, false);
+            }
+            let before = kept_light(kept, part, 0u);
+            let after = kept_light(kept, part, 1u);
+            var lit = 1.0;
+            var kept_second = vec2(before.y, after.y);
+            if (shading.structural) {
+                lit = mix(1.0, clamp(0.5 + 0.5 * shading.azimuth.y, 0.0, 1.0), shading.back.y);
+                kept_second = vec2(before.w, after.w);
+            }
+            let surface = shading.energy.x * vec2(before.x, after.x);
+            let weight = share * base_share;
+            // One channel after the other: fewer numbers at a time.
+            for (var c = 0u; c < 3u; c++) {
+                let painted = min(albedo[c] * about.x, 0.98);
+                var color = short::short_color(shading, single_scattering_albedo(vec3(painted), meets).x, frequency);
+#ifdef IRIDESCENT
+                color.second *= entering[c];
+                color.scattered *= entering[c];
+#endif
+                let second = shading.energy.y * color.second * lit;
+                let medulla = shading.energy.z * color.scattered;
+                let from_front = second * kept_second.x + medulla * before.w;
+                let from_back = surface.y + second * kept_second.y + medulla * after.w;
+                let scattered = shading.energy.x + second + medulla;
+                let meeting = 1.0 - min((surface.x + from_front + from_back) / max(scattered, 1e-6), 1.0);
+                let again = multiple_scattering(vec3(scattered), vec3(settings.multiple_scattering * meeting)).x;
+                var radiance = 0.0;
+                if (first == 0u) {
+                    let everywhere = 0.5 * (around.irradiance[c] + behind.irradiance[c]);
+                    radiance = around.radiance[c] * surface.x + around.irradiance[c] * from_front + behind.irradiance[c] * from_back;
+                    radiance = (radiance + again * everywhere) * open;
+                }
+                for (var i = 0u; i < count; i++) {
+                    let own = short::short_lit(shading, color, lobes[i], reaching[i]);
+                    radiance += batch[i].color[c] * (own + again * batch[i].caught);
+                }
+                sum[c] += weight * radiance;
+            }
+#ifdef IRIDESCENT
+            if (first == 0u) {
+                sum += weight * before.x * open * shimmer.energy * around.radiance;
+            }
+            for (var i = 0u; i < count; i++) {
+                let mirrored = weight * batch[i].reaches.mirror[part] * batch[i].color;
+                sum += mirrored * shimmer_lobe(shimmer, in_fibre(tangent, frame.hand, batch[i].direction + frame.local_eye));
+            }
+#endif
 #else
-            let fibre = read_part(base, part, tangent, frame);
+            let painted = min(albedo * about.x, vec3(0.98));
+            let single = single_scattering_albedo(painted, meets);
+            let fibre = read_part(base, part, about.w, tangent, frame);
             var harmonics = 4u;
             if (level != data::CARD_MEAN) {
                 harmonics = fibre_terms(settings.threshold, fibre.parameters.azimuthal_roughness);
             }
-            var shading = fibre_shading(fibre.parameters, fibre.row, single, fibre.eye, shape.w, harmonics);
+            var shading = fibre_shading(fibre.parameters, fibre.row, single, eye, shape.w, harmonics);
 #ifdef IRIDESCENT
             let tipward = in_fibre(tangent, frame.hand, vec3(vane_barb, 0.0)).y;
-            let shimmer = shimmer_of(base, part, fibre.eye, tipward, painted, in.uv);
+            let shimmer = shimmer_of(base, part, eye, tipward, painted, in.uv);
             shading = shimmer_let_in(shading, shimmer);
 #endif
             if (part == shadowing.lower) {
                 shading.along = fibre_along(fibre.parameters, fibre.row, shading.absorption, shadowing.frequency);
             }
-#endif
-            // What it keeps of light from all around, lobe by lobe. Light that leaves it meets another fibre where light from all
-            // around would be kept off.
-            let before = kept_light(shadowing, part, 0u);
-            let after = kept_light(shadowing, part, 1u);
-#ifdef PLAIN_FIBRES
-            var second = energies.second;
-            var kept_second = vec2(before.y, after.y);
-            if (shading.structural) {
-                second *= mix(1.0, clamp(0.5 + 0.5 * shading.azimuth.y, 0.0, 1.0), shading.back.y);
-                kept_second = vec2(before.w, after.w);
-            }
-            let specular = energies.surface * before.x;
-            let front = second * kept_second.x + energies.scattered * before.w;
-            let back = energies.surface * after.x + second * kept_second.y + energies.scattered * after.w;
-            let scattered = energies.surface + second + energies.scattered;
-#else
+            let before = kept_light(kept, part, 0u);
+            let after = kept_light(kept, part, 1u);
             var fourth = shading.energy_fourth;
             if (shading.structural) {
                 fourth *= mix(1.0, clamp(0.5 + 0.5 * shading.azimuth.y, 0.0, 1.0), shading.dark_back);
             }
             let specular = shading.energy_surface * before.x;
-            let front = shading.energy_through * before.y + shading.energy_inner * before.z + fourth * before.w;
-            let back = shading.energy_surface * after.x + shading.energy_through * after.y + shading.energy_inner * after.z
+            let from_front = shading.energy_through * before.y + shading.energy_inner * before.z + fourth * before.w;
+            let from_back = shading.energy_surface * after.x + shading.energy_through * after.y + shading.energy_inner * after.z
                 + fourth * after.w;
             let scattered = shading.energy_surface + shading.energy_through + shading.energy_inner + fourth;
-#endif
-            let meeting = 1.0 - min((specular + front + back) / max(scattered, vec3(1e-6)), vec3(1.0));
+            let meeting = 1.0 - min((specular + from_front + from_back) / max(scattered, vec3(1e-6)), vec3(1.0));
             let again = multiple_scattering(scattered, settings.multiple_scattering * meeting);
-            let part_seen = part_eye(shadowing, part);
             var radiance = vec3(0.0);
             if (first == 0u) {
 #ifdef SAMPLED_ENVIRONMENT
                 let indirect = sampled_environment(
-                    seen, shading, tangent, frame, shadowing, part_seen, part,
-                    passed / opacity, (passed + weight) / opacity, settings.environment_samples,
+                    seen, shading, tangent, frame, shadowing, part_eye(shadowing, part), part,
+                    passed, passed + share, settings.environment_samples,
                 );
 #else
-                let indirect = around.radiance * specular + around.irradiance * front + behind.irradiance * back;
+                let indirect = around.radiance * specular + around.irradiance * from_front + behind.irradiance * from_back;
 #endif
                 let everywhere = 0.5 * (around.irradiance + behind.irradiance);
                 radiance += (indirect + again * everywhere) * open;
 #ifdef IRIDESCENT
                 var mirrored = around.radiance;
                 if (!ONE_LOOK && shimmer.share > 0.0) {
-                    mirrored = family_light(seen, eye_side, frame, tangent, shimmer, in_fibre(tangent, frame.hand, frame.local_eye));
+                    mirrored = family_light(seen, eye_side, frame, tangent, shimmer, eye);
                 }
                 radiance += shimmer.energy * before.x * mirrored * open;
 #endif
-                passed += weight;
+                passed += share;
             }
-#ifdef PLAIN_FIBRES
-            for (var i = 0u; i < count; i++) {
-                let there = towards[i];
-                let lobes = short::short_lobes(shading, in_fibre(tangent, frame.hand, there.xyz));
-                let reach = part_reach(shadowing, part_seen, rays[i], part, lobes.turn, false);
-                radiance += batch[i].color * (short::short_lit(shading, lobes, reach) + again * there.w);
-#ifdef IRIDESCENT
-                radiance += batch[i].color * reach.mirror * shimmer_lobe(shimmer, in_fibre(tangent, frame.hand, there.xyz + frame.local_eye));
-#endif
-            }
-#else
-            let place = near_of(part, near, angles, covered.right, tangent, fibre.eye, frame.hand);
+            let place = near_of(part, near, angles, covered.right, tangent, eye, frame.hand);
             if (resolved && place.y > 0.0) {
                 let window = fibre_window(place.x, place.y);
-                let near_fibre = fibre_near(fibre.parameters, fibre.row, single, fibre.eye, shape.w, 8u, window);
+                let near_fibre = fibre_near(fibre.parameters, fibre.row, single, eye, shape.w, 8u, window);
                 for (var i = 0u; i < count; i++) {
-                    let there = towards[i];
-                    let lobes = fibre_near_lobes(near_fibre, in_fibre(tangent, frame.hand, there.xyz));
-                    let reach = part_reach(shadowing, part_seen, light_ray(shadowing, there.xyz), part, lobes.turn, true);
-                    radiance += batch[i].color * (fibre_lit(shading, lobes, reach) + again * there.w);
+                    let lobes = fibre_near_lobes(near_fibre, in_fibre(tangent, frame.hand, batch[i].direction));
+                    let reach = reach_of(batch[i].reaches, part, shadowing.lower, lobes.turn, true);
+                    radiance += batch[i].color * (fibre_lit(shading, lobes, reach) + again * batch[i].caught);
                 }
             } else {
                 for (var i = 0u; i < count; i++) {
-                    let there = towards[i];
-                    let lobes = fibre_lobes(shading, in_fibre(tangent, frame.hand, there.xyz));
-                    let reach = part_reach(shadowing, part_seen, light_ray(shadowing, there.xyz), part, lobes.turn, false);
-                    radiance += batch[i].color * (fibre_lit(shading, lobes, reach) + again * there.w);
+                    let lobes = fibre_lobes(shading, in_fibre(tangent, frame.hand, batch[i].direction));
+                    let reach = reach_of(batch[i].reaches, part, shadowing.lower, lobes.turn, false);
+                    radiance += batch[i].color * (fibre_lit(shading, lobes, reach) + again * batch[i].caught);
 #ifdef IRIDESCENT
-                    radiance += batch[i].color * reach.mirror * shimmer_lobe(shimmer, in_fibre(tangent, frame.hand, there.xyz + frame.local_eye));
+                    let half_way = in_fibre(tangent, frame.hand, batch[i].direction + frame.local_eye);
+                    radiance += batch[i].color * reach.mirror * shimmer_lobe(shimmer, half_way);
 #endif
                 }
             }
+            sum += share * base_share * radiance;
 #endif
-            sum += weight * base_share * radiance;
         }
         first += BATCH;
         if (first >= lights.count) {
@@ -420,17 +461,17 @@ fn shade(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: 
 // Where the energy of the fibres goes: surface reflection red, back to the eye's side green, through the feather blue.
 fn lobe_color(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, covered: Covered, albedo: vec3<f32>) -> vec3<f32> {
     let angles = feather_at(base + select(data::LEFT_VANE, data::RIGHT_VANE, covered.right));
-    let slope = rachis_at(base, in.uv.y).y;
-    let shares = feather_at(base + data::SHARES);
+    let shear = rachis_at(base, in.uv.y).y * shape.x;
     var sum = vec3(0.0);
     for (var part = 0u; part < 4u; part++) {
         let weight = covered.weights[part];
         if (weight <= LEAST_SHARE * dot(covered.weights, vec4(1.0))) {
             continue;
         }
-        let tangent = fibre_tangent(part, angles, covered.right, slope, shape.x);
-        let painted = min(albedo * shares[part], vec3(0.98));
-        let fibre = read_part(base, part, tangent, frame);
+        let tangent = fibre_tangent(part, angles, covered.right, shear);
+        let about = feather_at(base + data::PARTS + part);
+        let painted = min(albedo * about.x, vec3(0.98));
+        let fibre = read_part(base, part, about.w, tangent, frame);
         let energy = fibre_energy_split(fibre_shading(fibre.parameters, fibre.row, painted, fibre.eye, shape.w, 3u));
         sum += weight * vec3(3.0 * energy.specular, dot(energy.front, vec3(1.0)), dot(energy.back, vec3(1.0)));
     }

@@ -8,7 +8,7 @@
     feather_io::FeatherVertex,
     footprint::{Footprint, mirrored, widened},
     masking::mask_rachis,
-    query_feather::{CardVane, NO_VANE, Outline, cover_feather, cover_rachis, cover_vane, shows_vane},
+    query_feather::{CardVane, Outline, VaneCover, cover_feather, cover_rachis, cover_vane, shows_vane},
     query_split::{outline_node, outline_root, outline_sight},
 }
 
@@ -44,36 +44,48 @@ fn frame_of(in: FeatherVertex) -> Frame {
     return frame;
 }
 
-// Coverage of the footprint by rachis, barbs, distal and proximal barbules, the vane that has most of it, the share of their
-// width that its barbules show, and the footprint.
+// Coverage of the footprint by rachis, barbs, distal and proximal barbules, the vane that has most of it, `hook` and `open` of that vane
+// (VaneCover), and the footprint.
 struct Covered {
     weights: vec4<f32>,
     right: bool,
     hook: f32,
+    open: f32,
     footprint: Footprint,
 }
 
 // One vane (`right` or left) beside the rachis, whose edge is at x = edge; the footprint is over the left vane or mirrored there.
-fn cover_side(base: u32, right: bool, footprint: Footprint, edge: f32, frame: Frame, shape: vec4<f32>, level: u32) -> vec4<f32> {
+// `main`: it has most of the footprint, and what the eye sees of it is asked for even where that is nothing.
+fn cover_side(
+    base: u32,
+    right: bool,
+    main: bool,
+    footprint: Footprint,
+    edge: f32,
+    frame: Frame,
+    shape: vec4<f32>,
+    level: u32,
+) -> VaneCover {
     // Asked again by cover_vane; here it spares the tables.
-    if (!shows_vane(footprint, edge)) {
-        return NO_VANE;
+    let shows = shows_vane(footprint, edge);
+    if (!shows && !main) {
+        return VaneCover();
     }
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
     let rest = feather_at(slot + 2u);
     let card = CardVane(data::vane_unpack(feather_at(slot), feather_at(slot + 1u), rest), rest.y, rest.z);
     let cotangent = barb_cotangent(card.vane.sin_b, card.vane.cos_b);
-    let contour = contour_at(base, shape.z, barb_root(footprint.mean, cotangent));
+    let reach = contour_at(base, shape.z, barb_root(footprint.mean, cotangent));
     // The outline may turn within the footprint.
     let last = f32(data::CONTOUR_SAMPLES - 1u);
     let sight = outline_sight(footprint, cotangent, (1.0 - shape.z) / last);
     let rows = last / max(1.0 - shape.z, 1e-3);
     var nodes = vec2(0.0);
-    for (var i = 0u; i < sight.count; i++) {
+    for (var i = 0u; i < select(0u, sight.count, shows); i++) {
         let there = contour_between(base, clamp((outline_root(sight, i) - shape.z) * rows, 0.0, last));
         nodes += outline_node(sight, i, select(there.xz, there.yw, right));
     }
-    let outline = Outline(select(contour.xz, contour.yw, right), nodes.y / max(nodes.x, 1e-9));
+    let outline = Outline(select(reach.xz, reach.yw, right), nodes.y / max(nodes.x, 1e-9));
     // The right vane is the left one mirrored.
     let view = frame.local_eye * vec3(select(1.0, -1.0, right), 1.0, 1.0);
 #ifdef ONLY_FAR
@@ -92,20 +104,17 @@ fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u3
     let rachis = rachis_at(base, in.uv.y);
     let footprint = widened(canonical_footprint(in.uv, dpdx(in.uv), dpdy(in.uv), rachis.x, rachis.y, shape.x)).footprint;
     let edges = mask_rachis(rachis.z, frame.local_eye);
-    // In a loop, or the shader holds the vane twice.
-    var sides = array<vec4<f32>, 2>();
+    let main = footprint.mean.x > 0.5 * (edges.x + edges.y);
+    // In a loop, or the shader holds the vane twice; that of which more is asked comes last.
+    var other = vec3(0.0);
+    var vane = VaneCover();
     for (var i = 0u; i < 2u; i++) {
-        let right = i == 1u;
+        let right = main == (i == 1u);
         var side = footprint;
         if (right) { side = mirrored(footprint); }
-        sides[i] = cover_side(base, right, side, select(edges.x, -edges.y, right), frame, shape, level);
+        other = vane.weights;
+        vane = cover_side(base, right, i == 1u, side, select(edges.x, -edges.y, right), frame, shape, level);
     }
-    let left = sides[0];
-    let right = sides[1];
-    var covered: Covered;
-    covered.footprint = footprint;
-    covered.right = footprint.mean.x > 0.5 * (edges.x + edges.y);
-    covered.hook = select(left.w, right.w, covered.right);
-    covered.weights = cover_feather(cover_rachis(footprint, edges, in.uv.y), left, right);
-    return covered;
+    let weights = cover_feather(cover_rachis(footprint, edges, in.uv.y), other, vane.weights);
+    return Covered(weights, main, vane.hook, vane.open, footprint);
 }

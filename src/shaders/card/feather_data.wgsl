@@ -19,9 +19,7 @@ const LEFT_VANE: u32 = 1u;   // 3: sin/cos of barb angle and barbule angle; p_b,
 const RIGHT_VANE: u32 = 4u;
 const SHEEN: u32 = 7u;       // strength, roughness; place of the thin layers, 0: none
 const FIBRES: u32 = 8u;      // 4 x 7: rachis, barb, distal, proximal
-const TABLES: u32 = 36u;     // fibre table index of each of the four
-const SHARES: u32 = 37u;     // factor on the painted color of each of the four
-const MEETING: u32 = 38u;    // 2: chance of each of the four that its light meets another fibre, seen from front and back
+const PARTS: u32 = 36u;      // 4: factor on the painted color; chance that light meets another fibre, seen from front and back; fibre table
 const CAUGHT: u32 = 40u;     // one over the integral of what the vane catches over the sphere
 const MIRRORS: u32 = 41u;    // azimuthal roughness of barbs, where their mirror lobes leave them; the same of barbules
 // After the header. Kept light: seen from front and back; of each of the four; from the eye's side and the other; level; azimuth.

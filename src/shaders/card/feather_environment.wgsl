@@ -82,7 +82,7 @@ fn sampled_environment(
         let direction = local.x * frame.across + local.y * frame.along + local.z * frame.normal;
         let radius = min(FOOTPRINT_SHARE * drawn.width, WIDEST_FOOTPRINT);
         let footprint = min(1.0 / (n * width * drawn.pdf), SKY_PI * radius * radius);
-        let reach = part_reach(shadowing, part_seen, light_ray(shadowing, local), part, drawn.lobes.turn, false);
+        let reach = part_reach(shadowing, part_seen, light_ray(shadowing, local), part, drawn.lobes.turn);
         sum += fibre_lit(shading, drawn.lobes, reach) / drawn.pdf * sky(f, &ranges, direction, footprint);
     }
     return sum / (n * width);

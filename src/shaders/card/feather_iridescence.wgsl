@@ -124,16 +124,13 @@ fn shimmer_let_in(shading: FibreShading, shimmer: Shimmer) -> FibreShading {
     return s;
 }
 
-// The same for the short form of a fibre.
-fn shimmer_let_in_short(shading: ShortShading, shimmer: Shimmer) -> ShortShading {
+// The surface below the layers of the short form of a fibre; the factors of shimmer_entering are on its colors.
+fn shimmer_over_short(shading: ShortShading, shimmer: Shimmer) -> ShortShading {
     var s = shading;
-    let entering = shimmer_entering(shimmer, shading.energy.x);
     let rest = 1.0 - shimmer.share;
     s.energy.x *= rest;
     s.surface[0] *= rest;
     s.surface[1] *= rest;
-    s.second *= entering;
-    s.scattered *= entering;
     return s;
 }
 

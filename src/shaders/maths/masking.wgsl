@@ -171,7 +171,12 @@ fn mask_vane(vane: Vane, view: vec3<f32>) -> Cell {
     let v = select(vec3(0.0, 0.0, 1.0), view / max(size, 1e-12), size > 1e-12);
     let shape = vane_shape(vane);
     let seen = storeys(shape, v);
-    let strip = barb_strip(shape, seen);
+    return seen_cell(shape, seen, barb_strip(shape, seen), v.z >= 0.0);
+}
+
+// The same of what a direction sees; `strip` of barb_strip, `front`: the eye sees the front face.
+fn seen_cell(shape: VaneShape, seen: Storeys, strip: vec3<f32>, front: bool) -> Cell {
+    let vane = shape.vane;
     // The strip reaches half a silhouette away from the viewer; where it does not reach back to the axis, it is moved there.
     let width = strip.x * shape.per_barb;
     let far = min(min(seen.silhouette * shape.per_barb, 1.0), width);
@@ -183,7 +188,7 @@ fn mask_vane(vane: Vane, view: vec3<f32>) -> Cell {
     let ratio = vane.p_b / vane.d_bl;
     let kappa = max(vane.cos_bl / vane.sin_bl * ratio, 0.01);
     let e_root = wrap(vane.cos_b / vane.sin_b * ratio);
-    if v.z >= 0.0 {
+    if front {
         return Cell(kappa, e_root, v_low, v_high, half_widths.x, half_widths.y, upper, lower, 1.0);
     }
     // From the back proximal lies over distal: the same pattern, u reversed and the families exchanged.

@@ -5,7 +5,7 @@
 #import bevy_plumage::anatomy::{barb_cotangent, barbule_factor, hooked, vane_start_coverage}
 #import bevy_plumage::coverage_method::{part_coverage, resolves_parts}
 #import bevy_plumage::footprint::{Footprint}
-#import bevy_plumage::masking::{Vane, mask_vane}
+#import bevy_plumage::masking::{Vane, barb_strip, seen_cell, storeys, vane_shape}
 #import bevy_plumage::math::{smooth_step}
 #import bevy_plumage::query::LOD_MEAN
 #import bevy_plumage::query_split::{line_part, line_rest, line_share, outline_line, rachis_line, rachis_share, split_line}
@@ -14,8 +14,14 @@
 const LEAST_SHARE: f32 = 1e-3;
 // A part of a footprint with less mass than this is left out.
 const LEAST_PART: f32 = 5e-4;
-// What cover_vane gives of a vane that does not show.
-const NO_VANE: vec4<f32> = vec4(0.0, 0.0, 0.0, 1.0);
+
+// One vane's share of a footprint: barbs, distal and proximal barbules; for the light the share of their width that the barbules show,
+// and the share of a barb's silhouette that they leave open.
+struct VaneCover {
+    weights: vec3<f32>,
+    hook: f32,
+    open: f32,
+}
 
 // One vane as a card has it: its pattern where the barbules hook, the share of a barb where they do not, the height below which
 // they do not.
@@ -37,9 +43,8 @@ fn shows_vane(footprint: Footprint, edge: f32) -> bool {
     return line_share(rachis_line(edge), footprint) >= LEAST_SHARE;
 }
 
-// One vane's share of a footprint (over the left vane, or mirrored there) beside the rachis, whose edge is at x = edge: barbs, distal
-// and proximal barbules, and the share of their width that the barbules show. `view`: towards the eye, in the same frame. `lod` is
-// what is known of the whole footprint, `parts_lod` of what a line leaves of it.
+// One vane's share of a footprint (over the left vane, or mirrored there) beside the rachis, whose edge is at x = edge. `view`: unit,
+// towards the eye, in the same frame. `lod` is what is known of the whole footprint, `parts_lod` of what a line leaves of it.
 fn cover_vane(
     card: CardVane,
     start: f32,
@@ -50,24 +55,26 @@ fn cover_vane(
     lod: u32,
     parts_lod: u32,
     threshold: f32,
-) -> vec4<f32> {
+) -> VaneCover {
     let rachis = rachis_line(edge);
     let beside = line_share(rachis, footprint);
-    if beside < LEAST_SHARE {
-        return NO_VANE;
-    }
     var vane = card.vane;
     let cotangent = barb_cotangent(vane.sin_b, vane.cos_b);
     let mean = footprint.mean;
     let beyond = Footprint(vec2(min(mean.x, -1e-6), mean.y), footprint.covariance);
     let begun = vane_start_coverage(beyond, start, cotangent);
-    if outline.share * begun < LEAST_SHARE {
-        return NO_VANE;
-    }
+    let shows = beside >= LEAST_SHARE && outline.share * begun >= LEAST_SHARE;
     // Loose barbules stand on edge: they are narrower, and hide less of each other.
-    let hook = barbule_factor(hooked(abs(mean.x), mean.y, outline.reach.x, card.fringe, card.downy));
-    vane.hooked = hook;
-    let cell = mask_vane(vane, view);
+    vane.hooked = select(1.0, barbule_factor(hooked(abs(mean.x), mean.y, outline.reach.x, card.fringe, card.downy)), shows);
+    let shape = vane_shape(vane);
+    let seen = storeys(shape, view);
+    let strip = barb_strip(shape, seen);
+    let open = clamp(strip.x / max(2.0 * seen.silhouette, 1e-9), 0.0, 1.0);
+    var found = VaneCover(vec3(0.0), vane.hooked, open);
+    if !shows {
+        return found;
+    }
+    let cell = seen_cell(shape, seen, strip, view.z >= 0.0);
     // Whichever of rachis and outline takes more of the footprint cuts it into parts, the other one scales them. Where the tangent
     // tells too little of the outline, the outline scales the whole.
     let end = outline_line(mean, outline.reach, cotangent);
@@ -92,7 +99,8 @@ fn cover_vane(
         if mass >= LEAST_PART {
             covered = mass * part_coverage(cell, vane, part.footprint, lod, threshold);
         }
-        return vec4(max(covered, vec3(0.0)) * begun, hook);
+        found.weights = max(covered, vec3(0.0)) * begun;
+        return found;
     }
     for (var i = 0u; i < cut.parts; i++) {
         let part = line_part(cut, i);
@@ -107,7 +115,8 @@ fn cover_vane(
         let part_lod = select(lod, parts_lod, cut.parts > 1u);
         covered += mass * part_coverage(cell, vane, part.footprint, part_lod, threshold);
     }
-    return vec4(max(covered, vec3(0.0)) * begun, hook);
+    found.weights = max(covered, vec3(0.0)) * begun;
+    return found;
 }
 
 // Share of a footprint at height `v` that the rachis hides, which ends where the card does.
@@ -116,7 +125,7 @@ fn cover_rachis(footprint: Footprint, edges: vec2<f32>, v: f32) -> f32 {
 }
 
 // Rachis and both vanes (cover_vane) as shares that sum to at most 1: differences of parts may leave a little too much.
-fn cover_feather(rachis: f32, left: vec4<f32>, right: vec4<f32>) -> vec4<f32> {
-    let weights = vec4(rachis, left.xyz + right.xyz);
+fn cover_feather(rachis: f32, left: vec3<f32>, right: vec3<f32>) -> vec4<f32> {
+    let weights = vec4(rachis, left + right);
     return max(weights, vec4(0.0)) / max(dot(weights, vec4(1.0)), 1.0);
 }
