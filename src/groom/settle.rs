@@ -19,9 +19,9 @@ use bevy::math::Affine3A;
 /// Times that contacts are looked for in the first pose, and in each further one, which begins near its end.
 const SEARCHES: [usize; 2] = [4, 2];
 /// Of these, the first that look around every place for what is near; later ones take the same feathers, for they move little.
-const LOOKS: [usize; 2] = [4, 1];
+const LOOKS: [usize; 2] = [3, 1];
 /// Rounds of projection after each.
-const ROUNDS: usize = 40;
+const ROUNDS: usize = 25;
 /// Furthest that a vertex moves, in distances from the root: down, up.
 const RANGE: (f32, f32) = (-0.5, 0.6);
 /// What is added to both at the root and elsewhere, in median widths.
