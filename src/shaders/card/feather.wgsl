@@ -325,9 +325,16 @@ fn shade(
 #endif
             var lobes = array<short::ShortLobes, BATCH>();
             var reaching = array<FibreReach, BATCH>();
+#ifdef IRIDESCENT
+            var mirrored = array<vec3<f32>, BATCH>();
+#endif
             for (var i = 0u; i < count; i++) {
                 lobes[i] = short::short_lobes(shading, in_fibre(tangent, frame.hand, batch[i].direction));
                 reaching[i] = reach_of(batch[i].reaches, part, shadowing.lower, lobes[i].turn, false);
+#ifdef IRIDESCENT
+                let half_way = in_fibre(tangent, frame.hand, batch[i].direction + frame.local_eye);
+                mirrored[i] = reaching[i].mirror * shimmer_lobe(shimmer, half_way);
+#endif
             }
             let before = kept_light(kept, part, 0u);
             let after = kept_light(kept, part, 1u);
@@ -357,24 +364,22 @@ fn shade(
                 var radiance = 0.0;
                 if (first == 0u) {
                     let everywhere = 0.5 * (around.irradiance[c] + behind.irradiance[c]);
-                    radiance = around.radiance[c] * surface.x + around.irradiance[c] * from_front + behind.irradiance[c] * from_back;
+                    var specular = surface.x;
+#ifdef IRIDESCENT
+                    specular += shimmer.energy[c] * before.x;
+#endif
+                    radiance = around.radiance[c] * specular + around.irradiance[c] * from_front + behind.irradiance[c] * from_back;
                     radiance = (radiance + again * everywhere) * open;
                 }
                 for (var i = 0u; i < count; i++) {
-                    let own = short::short_lit(shading, color, lobes[i], reaching[i]);
+                    var own = short::short_lit(shading, color, lobes[i], reaching[i]);
+#ifdef IRIDESCENT
+                    own += mirrored[i][c];
+#endif
                     radiance += batch[i].color[c] * (own + again * batch[i].caught);
                 }
                 sum[c] += weight * radiance;
             }
-#ifdef IRIDESCENT
-            if (first == 0u) {
-                sum += weight * before.x * open * shimmer.energy * around.radiance;
-            }
-            for (var i = 0u; i < count; i++) {
-                let mirrored = weight * batch[i].reaches.mirror[part] * batch[i].color;
-                sum += mirrored * shimmer_lobe(shimmer, in_fibre(tangent, frame.hand, batch[i].direction + frame.local_eye));
-            }
-#endif
 #else
             let painted = min(albedo * about.x, vec3(0.98));
             let single = single_scattering_albedo(painted, meets);
