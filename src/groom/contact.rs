@@ -159,13 +159,6 @@ pub struct Finder<'a> {
     median: f32,
 }
 
-/// The feathers around every sample that it may touch.
-#[derive(Default)]
-pub struct Neighbors {
-    /// For each chunk of samples: where the feathers of each begin, and of those the ones behind; and the feathers.
-    chunks: Vec<(Vec<[u32; 2]>, Vec<Near>)>,
-}
-
 /// A feather near a sample, through the nearest of its own.
 #[derive(Clone, Copy)]
 struct Near {
@@ -245,48 +238,26 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// The feathers around every sample.
-    pub fn neighbors(&self) -> Neighbors {
+    /// All contacts, in order of the samples.
+    pub fn find(&self) -> Vec<Contact> {
         let seen = self.samples.iter();
         let seen = seen.map(|sample| (sample.seen.place, sample.seen));
         let around = &Columns::new(seen, COLUMN * self.median);
         let pool = ComputeTaskPool::get_or_init(TaskPool::default);
-        let chunks = pool.scope(|scope| {
+        let parts = pool.scope(|scope| {
             for (number, chunk) in self.samples.chunks(CHUNK).enumerate() {
                 scope.spawn(async move {
                     // Sample for which a leaf was last found, and where it then stands in its list.
                     let mut slots = vec![(u32::MAX, 0); self.leaves.len()];
-                    let (mut starts, mut all) = (Vec::with_capacity(chunk.len() + 1), Vec::new());
                     let (mut near, mut behind) = (Vec::new(), Vec::new());
+                    let mut contacts = Vec::new();
                     for (i, sample) in chunk.iter().enumerate() {
+                        near.clear();
+                        behind.clear();
                         let mark = (number * CHUNK + i) as u32;
                         self.look(sample, around, mark, &mut slots, [&mut near, &mut behind]);
-                        let start = all.len();
-                        all.append(&mut near);
-                        starts.push([start as u32, all.len() as u32]);
-                        all.extend(behind.drain(..).take(BEHIND));
-                    }
-                    starts.push([all.len() as u32; 2]);
-                    (starts, all)
-                });
-            }
-        });
-        Neighbors { chunks }
-    }
-
-    /// All contacts with these neighbors, in order of the samples. They may be of the same coat as it stood a little before.
-    pub fn find(&self, neighbors: &Neighbors) -> Vec<Contact> {
-        let pool = ComputeTaskPool::get_or_init(TaskPool::default);
-        let parts = pool.scope(|scope| {
-            let chunks = self.samples.chunks(CHUNK).zip(&neighbors.chunks);
-            for (chunk, (starts, all)) in chunks {
-                scope.spawn(async move {
-                    let mut contacts = Vec::new();
-                    for (sample, bounds) in chunk.iter().zip(starts.windows(2)) {
-                        let [start, split, end] =
-                            [bounds[0][0], bounds[0][1], bounds[1][0]].map(|at| at as usize);
-                        self.touch(sample, &all[start..split], &mut contacts);
-                        self.avoid(sample, &all[split..end], &mut contacts);
+                        self.touch(sample, &near, &mut contacts);
+                        self.avoid(sample, &behind, &mut contacts);
                     }
                     contacts
                 });
@@ -409,7 +380,7 @@ impl<'a> Finder<'a> {
     /// Adds those with feathers behind it.
     fn avoid(&self, sample: &Sample, behind: &[Near], contacts: &mut Vec<Contact>) {
         let own = &self.leaves[sample.seen.leaf as usize].card;
-        for other in behind {
+        for other in behind.iter().take(BEHIND) {
             let width = own.width.min(self.leaves[other.leaf as usize].card.width);
             let Some((spot, height)) = self.over(&sample.seen, -1.0, other, width) else {
                 continue;

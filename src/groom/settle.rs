@@ -11,15 +11,13 @@
 
 use super::{
     carried::{Block, Carried},
-    contact::{Contact, Finder, Neighbors, Spot, raise},
+    contact::{Contact, Finder, Spot, raise},
     leaf::Leaf,
 };
 use bevy::math::Affine3A;
 
 /// Times that contacts are looked for in the first pose, and in each further one, which begins near its end.
 const SEARCHES: [usize; 2] = [4, 2];
-/// Of these, the first that look around every place for what is near; later ones take the same feathers, for they move little.
-const LOOKS: [usize; 2] = [3, 1];
 /// Rounds of projection after each.
 const ROUNDS: usize = 25;
 /// Furthest that a vertex moves, in distances from the root: down, up.
@@ -44,15 +42,9 @@ pub fn settle(leaves: &[Leaf], pose: &[Affine3A]) -> Vec<f32> {
     let before: Vec<f32> = leaves.iter().flat_map(raised).collect();
     let (lows, highs) = limits(leaves, &carried, &before);
     let mut heights = vec![0.0_f32; carried.places.len()];
-    let further = usize::from(leaves.iter().any(|leaf| !leaf.raised.is_empty()));
-    let searches = SEARCHES[further];
-    let mut neighbors = Neighbors::default();
+    let searches = SEARCHES[usize::from(leaves.iter().any(|leaf| !leaf.raised.is_empty()))];
     for search in 0..searches {
-        let finder = Finder::new(leaves, &carried, &heights);
-        if search < LOOKS[further] {
-            neighbors = finder.neighbors();
-        }
-        let contacts = finder.find(&neighbors);
+        let contacts = Finder::new(leaves, &carried, &heights).find();
         for round in 0..ROUNDS {
             project(&contacts, &mut heights, &lows, &highs);
             if search + 1 < searches || round + ROUGH < ROUNDS {
