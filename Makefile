@@ -54,7 +54,8 @@ test: setup
 	@if $(CARGO) tree --all-features -d 2>/dev/null | grep -E '^(egui|wgpu|naga|bevy) v'; then echo "more than one egui, wgpu, naga or bevy"; exit 1; fi
 	./scripts/one_egui.sh
 	$(CARGO) clippy --workspace --all-targets --all-features -- -D warnings
-	$(CARGO) test --workspace --all-features
+	$(CARGO) test --workspace --all-features --lib --test "*"
+	$(CARGO) test --workspace --all-features --doc
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --lib --examples --all-features
 
 golden: setup
