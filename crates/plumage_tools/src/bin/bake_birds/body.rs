@@ -83,8 +83,8 @@ impl<'a> Body<'a> {
         let [shoulder, _, wrist, _, tip] = self.folded;
         [(shoulder, wrist), (wrist, tip)]
             .map(|(a, b)| {
-                let forward = Vec3::X.cross(a - b) * Vec3::new(0.0, 1.0, 1.0);
-                (p - wrist).dot(forward.normalize())
+                let forward = Vec3::X.cross(a - b).normalize();
+                (p - wrist).dot(forward)
             })
             .into_iter()
             .fold(f32::MIN, f32::max)
