@@ -2,13 +2,11 @@
 
 use super::headless::frame;
 use bevy::{diagnostic::DiagnosticsStore, prelude::*, render::renderer::RenderAdapterInfo};
+use cpu_time::ProcessTime;
 
 /// A card that is timed; `true`: with its thin layers.
 #[derive(Component)]
 pub struct Timed(pub bool);
-
-/// Frames until a timestamp has come back from the GPU.
-const LAG: usize = 3;
 
 fn show(app: &mut App, layers: Option<bool>) {
     let mut cards = app.world_mut().query::<(&Timed, &mut Visibility)>();
@@ -29,35 +27,43 @@ fn cards_of(app: &App, class: &str) -> f64 {
     found.and_then(|d| d.value()).unwrap_or(0.0)
 }
 
-/// Milliseconds that the GPU spent in the pass with the feathers, of the last frame that has come back.
-fn pass_ms(app: &App) -> Option<f64> {
-    let store = app.world().resource::<DiagnosticsStore>();
-    let path = "render/main_opaque_pass_3d/elapsed_gpu";
-    store.iter().find(|d| d.path().as_str() == path)?.value()
+/// Frames after a change of what is shown until every pass draws it.
+const SETTLE: usize = 2;
+
+/// Processor seconds of one frame, with every thread that draws it.
+fn seconds(app: &mut App) -> f64 {
+    let start = ProcessTime::now();
+    frame(app);
+    start.elapsed().as_secs_f64()
 }
 
-/// The least: what other programs take of a machine only adds.
-fn least(list: &[f64]) -> f64 {
-    list.iter().copied().fold(f64::NAN, f64::min)
+fn median(list: &mut [f64]) -> f64 {
+    list.sort_by(f64::total_cmp);
+    let middle = list.len() / 2;
+    0.5 * (list[middle] + list[(list.len() - 1) / 2])
 }
 
-/// Times `rounds` rounds of: no feather, without layers, with layers. Prints the least times of the pass that draws
-/// feathers.
+/// Processor time of whole frames over `rounds` rounds of: no feather, without layers, with layers (the last two change places every
+/// round). Prints medians; the difference is the median of those within a round, with the quartiles of it.
+///
+/// On a software renderer this is the cost of shading. Wall time is not: there it follows what else the machine does. On a GPU's adapter
+/// this says nothing, and the printed line names the adapter.
 pub fn run(app: &mut App, rounds: u32, name: &str) {
-    let states = [None, Some(false), Some(true)];
     let mut times: [Vec<f64>; 3] = Default::default();
     let mut classes = bevy_plumage::CARD_COUNTERS.map(|_| 0.0);
     for round in 0..=rounds {
-        for (state, times) in states.iter().zip(&mut times) {
-            show(app, *state);
-            for _ in 0..=LAG {
+        let order = if round % 2 == 0 { [0, 1, 2] } else { [0, 2, 1] };
+        for state in order {
+            show(app, [None, Some(false), Some(true)][state]);
+            for _ in 0..SETTLE {
                 frame(app);
             }
             // The first round fills caches and makes pipelines.
+            let time = seconds(app);
             if round > 0 {
-                times.extend(pass_ms(app));
+                times[state].push(time);
             }
-            if *state == Some(true) {
+            if state == 2 {
                 classes = bevy_plumage::CARD_COUNTERS.map(|name| cards_of(app, name));
             }
         }
@@ -68,12 +74,22 @@ pub fn run(app: &mut App, rounds: u32, name: &str) {
         .filter(|(_, count)| **count > 0.0)
         .map(|(name, count)| format!("{count} {name}"))
         .collect();
-    let [none, without, with] = times.each_ref().map(|list| least(list));
+    let mut apart: Vec<f64> = times[2]
+        .iter()
+        .zip(&times[1])
+        .map(|(with, without)| with - without)
+        .collect();
+    let apart_median = median(&mut apart);
+    let quartiles = [apart[apart.len() / 4], apart[apart.len() * 3 / 4]];
+    let [none, without, with] = times.each_mut().map(|list| 1e3 * median(list));
+    let share = |seconds: f64| 1e5 * seconds / (without - none);
     let adapter = &app.world().resource::<RenderAdapterInfo>().name;
     println!(
-        "{name}: least of {rounds} passes each on {adapter}: nothing {none:.2} ms, feather {without:.2} ms, with thin layers \
-         {with:.2} ms: {:+.1} % of the feather's own time; cards: {}",
-        100.0 * (with - without) / (without - none),
+        "{name}: {rounds} frames each on {adapter}, processor time: nothing {none:.1} ms, feather {without:.1} ms, with thin layers \
+         {with:.1} ms: {:+.1} % of the feather's own time (half of the rounds: {:+.1} to {:+.1} %); cards: {}",
+        share(apart_median),
+        share(quartiles[0]),
+        share(quartiles[1]),
         cards.join(", "),
     );
 }
