@@ -78,7 +78,7 @@ pub mod undercoat;
 mod undercoat;
 
 pub use anatomy::{
-    Albedo, AnatomyPlugin, Barbules, Bars, Coat, ColorShare, Contour, Down, Feather, Gaps,
+    Albedo, AnatomyPlugin, Barbules, Bars, Clumps, Coat, ColorShare, Contour, Down, Feather, Gaps,
     Interval, Pattern, Rachis, Rim, Specular, Spread, Stop, Transfer, Vane,
 };
 pub use asset::{AssetError, AssetLink, RonAsset, RonLoader, RonSaver};

@@ -14,7 +14,7 @@ pub struct ShapeTable {
     /// [`RACHIS_ROWS`] rows at equal steps of v from 0 to 1: F_P, F_P' (per v), r_r in feather lengths, 0.
     pub rachis: Vec<[f32; 4]>,
     /// [`CONTOUR_ROWS`] rows for barbs rooted at equal steps from `start` to 1: left reach, right reach, left d reach / d root,
-    /// right d reach / d root. Splits are in it.
+    /// right d reach / d root. Splits and clumps are in it.
     pub contour: Vec<[f32; 4]>,
     /// Height of the lowest barb.
     pub start: f32,
@@ -198,7 +198,7 @@ impl Contour {
 }
 
 impl Feather {
-    /// Curve, radius and outline (with splits) as tables.
+    /// Curve, radius and outline (with splits and clumps) as tables.
     pub fn shape_table(&self) -> ShapeTable {
         let spline = self.rachis.spline();
         let rachis = (0..RACHIS_ROWS)
@@ -208,7 +208,11 @@ impl Feather {
                 [curve as f32, slope as f32, self.r_r(v as f32), 0.0]
             })
             .collect();
-        let outline = self.contour.resampled(CONTOUR_ROWS).perturbed(&self.gaps);
+        let outline = self
+            .contour
+            .resampled(CONTOUR_ROWS)
+            .clumped(&self.clumps)
+            .perturbed(&self.gaps);
         let step = (1.0 - outline.start).max(1e-3) / (CONTOUR_ROWS - 1) as f32;
         let slope = |values: &[f32], i: usize| {
             let (low, high) = (i.saturating_sub(1), (i + 1).min(CONTOUR_ROWS - 1));

@@ -5,7 +5,7 @@
 //! `x = (u - F_P(v)) * aspect`, `y = v`, with the rachis on `x = 0` (the paper's map M of Table 1 puts it on 0.5 and has no
 //! aspect). Left is `x < 0`. Every length below whose unit is not named is in feather lengths.
 
-use super::v1;
+use super::{Clumps, v1};
 use crate::{
     asset::{AssetError, RonAsset, parse},
     maths::scattering::{
@@ -49,6 +49,9 @@ pub struct Feather {
     /// Splits of the contour (Eq. 3-5).
     #[serde(default)]
     pub gaps: Gaps,
+    /// Clumps of barbs.
+    #[serde(default, skip_serializing_if = "Clumps::is_default")]
+    pub clumps: Clumps,
     /// Color.
     pub albedo: Albedo,
     /// Fibre optics.
@@ -290,6 +293,7 @@ impl Default for Feather {
             left: Vane::default(),
             right: Vane::default(),
             gaps: Gaps::default(),
+            clumps: Clumps::default(),
             albedo: Albedo::default(),
             optics: Optics::default(),
             iridescence: None,

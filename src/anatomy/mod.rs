@@ -5,6 +5,7 @@
 //! shaders.
 
 mod builtin;
+mod clumps;
 mod contour;
 mod down;
 mod feather;
@@ -17,6 +18,7 @@ mod v1;
 #[cfg(any(feature = "inspector", feature = "photo"))]
 pub use builtin::primary;
 pub use builtin::{contour, covering};
+pub use clumps::Clumps;
 pub use contour::{CONTOUR_ROWS, RACHIS_ROWS, ShapeTable};
 pub use down::{Coat, Down, Interval, Specular, Spread, Transfer};
 pub use feather::{

@@ -1,6 +1,8 @@
 //! Version 1 of the feather and down files, read only. The spelling of its fields is part of the format.
 
-use super::{Coat, ColorShare, Contour, Gaps, Interval, Rachis, Spread, Stop, Transfer, Vane};
+use super::{
+    Clumps, Coat, ColorShare, Contour, Gaps, Interval, Rachis, Spread, Stop, Transfer, Vane,
+};
 use crate::{asset::RonAsset, maths::scattering::Optics};
 use serde::Deserialize;
 
@@ -60,6 +62,7 @@ impl From<Feather> for super::Feather {
             left: old.left,
             right: old.right,
             gaps: old.gaps,
+            clumps: Clumps::default(),
             albedo: super::Albedo {
                 front: old.albedo.front.into(),
                 back: old.albedo.back.map(Into::into),

@@ -61,6 +61,11 @@ pub struct Groom {
     #[reflect(@Length::new(0, 5))]
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub poses: Vec<KeyPose>,
+    /// How far joints bend on either side of bind pose, degrees, 0..120: where that draws the skin apart, more feathers grow, at most
+    /// three times as many; regions in rows then become blue noise. 0 grows none.
+    #[reflect(@Parameter::degrees(0.0, 120.0))]
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub bend: f32,
 }
 
 /// One touch of a brush: factors on number and length of the feathers around a point, full in the middle, none at the rim.
@@ -463,6 +468,7 @@ impl Default for Groom {
             masks: Vec::new(),
             paint: Vec::new(),
             poses: Vec::new(),
+            bend: 0.0,
         }
     }
 }

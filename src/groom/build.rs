@@ -34,6 +34,8 @@ pub struct Bird {
     pub skin: SkinMesh,
     /// Names of the joints of its skin, in their order; empty if it is not skinned.
     pub joints: Vec<String>,
+    /// Where each of them is in bind pose, model space, metres; empty if that is not known. Used by [`Groom::bend`].
+    pub pivots: Vec<Vec3>,
 }
 
 /// The cards of a bird.
@@ -107,6 +109,15 @@ fn measure_cover(skin: &SkinMesh, leaves: &[Leaf], down: &mut [DownTract]) {
 /// [`GroomError::Asset`] if the groom is damaged, [`GroomError::Skin`] if the skin has no triangle.
 pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result<Coat, GroomError> {
     groom.validate(&groom.name)?;
+    let stretched = (groom.bend > 0.0).then(|| Bird {
+        skin: bird
+            .skin
+            .clone()
+            .with_stretch(&bird.pivots, groom.bend.to_radians()),
+        joints: bird.joints.clone(),
+        pivots: Vec::new(),
+    });
+    let bird = stretched.as_ref().unwrap_or(bird);
     let skin = &bird.skin;
     if skin.triangles.is_empty() {
         return Err(GroomError::Skin {

@@ -19,6 +19,7 @@ use bevy::{
     ecs::prelude::*,
     image::Image,
     log::{info, warn},
+    math::Vec3,
     mesh::Mesh,
     platform::{collections::HashMap, time::Instant},
     tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on, poll_once},
@@ -53,6 +54,8 @@ pub(super) struct CoatInput {
     pub textures: (Vec<SkinTexture>, Vec<MaskFlaw>),
     /// Guides and rows of the file.
     pub authored: Authored,
+    /// Where each joint is in bind pose, model space.
+    pub pivots: Vec<Vec3>,
 }
 
 /// A coat as equal birds share it.
@@ -153,6 +156,7 @@ impl Coats {
                 let bird = Bird {
                     skin,
                     joints: of.joints,
+                    pivots: input.pivots,
                 };
                 let mut groom = groom.unwrap_or_else(|| Groom::fallback(&bird.skin, &bird.joints));
                 let mut notes = Vec::new();

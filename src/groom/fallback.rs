@@ -23,6 +23,8 @@ const COVER: f32 = 8.0;
 const MOST: f32 = 12_000.0;
 /// Most regions of one kind.
 const MOST_REGIONS: usize = 48;
+/// How far joints bend, degrees.
+const BEND: f32 = 60.0;
 /// Smallest share of the skin that makes a region.
 const SMALLEST: f32 = 0.004;
 /// Color where the mesh has none, sRGB.
@@ -42,7 +44,7 @@ impl Groom {
     /// Regions are taken from the first of these that the mesh has: tract numbers (a second set of texture coordinates whose x
     /// are whole numbers), vertex colors (2 to 48 of them), joints with names of their own, or nothing: one region. Feathers take their
     /// colors from the skin (`skin_color`); the tint is that of the vertex colors, if there are any. What none of them takes is a region too. Feathers are 0.04 of the mesh's diagonal long, shorter on small regions
-    /// (thin limbs), about eight layers deep, at most 12,000; they lie towards -z and -y (glTF: backwards and down).
+    /// (thin limbs), about eight layers deep, at most 12,000, and more where bent joints stretch the skin; they lie towards -z and -y (glTF: backwards and down).
     pub fn fallback(skin: &SkinMesh, joints: &[String]) -> Self {
         let corners = || {
             skin.triangles
@@ -94,6 +96,7 @@ impl Groom {
             unit,
             feathers: vec!["feathers/contour.feather.ron".into()],
             regions: parts.into_iter().map(region).collect(),
+            bend: BEND,
             ..Self::default()
         }
     }

@@ -41,6 +41,7 @@ pub mod select;
 pub mod settle;
 pub mod skin;
 mod skin_meshes;
+mod stretch;
 mod v1;
 mod validate;
 mod worn;

@@ -229,6 +229,7 @@ fn start(
             masks,
             textures: textures.copies(&own),
             authored,
+            pivots: target.pivots().collect(),
         });
         let images = own.into_iter().map(|(image, _)| image).collect();
         commands.entity(owner).insert(MaskImages(images));

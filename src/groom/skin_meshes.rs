@@ -4,7 +4,7 @@ use super::component::{NotSkin, PlumageCards};
 use bevy::{
     asset::{AssetId, Assets},
     ecs::{name::Name, prelude::*, system::SystemParam},
-    math::Mat4,
+    math::{Mat4, Vec3},
     mesh::{
         Mesh, Mesh3d, PrimitiveTopology,
         skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
@@ -56,6 +56,14 @@ pub(super) struct SkinTarget {
     pub meshes: Vec<Entity>,
     pub joints: Vec<Entity>,
     pub inverse_bind: Vec<Mat4>,
+}
+
+impl SkinTarget {
+    /// Where each joint is in bind pose, model space.
+    pub fn pivots(&self) -> impl Iterator<Item = Vec3> {
+        let place = |bind: &Mat4| bind.inverse().w_axis.truncate();
+        self.inverse_bind.iter().map(place)
+    }
 }
 
 /// The meshes below an entity.

@@ -109,6 +109,7 @@ impl From<Groom> for asset::Groom {
             paint: old.paint,
             masks: Vec::new(),
             poses: Vec::new(),
+            bend: 0.0,
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Unit tests of the pure parts.
 
-use bevy_plumage::anatomy::{Bars, Contour, Feather, Gaps, Pattern, Rim, Side, Spline, Stop};
+use bevy_plumage::anatomy::{
+    Bars, Clumps, Contour, Feather, Gaps, Pattern, Rim, Side, Spline, Stop,
+};
 use bevy_plumage::asset::{AssetError, RonAsset};
 use bevy_plumage::maths::{Footprint, card};
 
@@ -342,6 +344,63 @@ fn gaps_split_where_told() {
             .fold(1.0, f32::min);
         approx::assert_abs_diff_eq!(deepest, 0.05, epsilon = 2e-3);
     }
+}
+
+#[test]
+fn clumps_part_the_barbs_towards_the_tip() {
+    let flat = Contour {
+        start: 0.0,
+        left: vec![0.1; 256],
+        right: vec![0.1; 256],
+    };
+    assert_eq!(flat.clumped(&Clumps::default()), flat);
+    let clumps = Clumps {
+        count: 12,
+        depth: 0.8,
+        variation: 0.0,
+        ..Clumps::default()
+    };
+    let apart = flat.clumped(&clumps);
+    assert_eq!(apart.left, apart.right);
+    let deepest: Vec<(usize, f32)> = (1..255)
+        .map(|i| (i, apart.left[i]))
+        .filter(|(i, reach)| *reach < apart.left[i - 1] && *reach <= apart.left[i + 1])
+        .collect();
+    assert_eq!(deepest.len(), 11, "a gap between each two clumps");
+    for (i, reach) in deepest {
+        // Depth grows with the height.
+        let height = i as f32 / 255.0;
+        approx::assert_abs_diff_eq!(reach, 0.1 * (1.0 - 0.8 * height), epsilon = 0.012);
+    }
+    // A wedge: half as deep at half the way to its rim, which is 0.3 of a twelfth wide.
+    let middle = 255 * 6 / 12;
+    let rim = (0.5 * 0.3 / 12.0 * 255.0_f32).round() as usize;
+    assert!(apart.left[middle + rim + 1] > 0.0999);
+    let depth = |i: usize| 0.1 - apart.left[i];
+    let halfway = depth(middle + rim / 2 + 1) / depth(middle);
+    assert!((0.2..0.7).contains(&halfway), "{halfway}");
+    let uneven = Clumps {
+        variation: 1.0,
+        ..clumps
+    };
+    let (one, other) = (
+        flat.clumped(&uneven),
+        flat.clumped(&Clumps { seed: 2, ..uneven }),
+    );
+    assert_eq!(one, flat.clumped(&uneven), "the same seed, the same clumps");
+    assert_ne!(one, other);
+    assert_ne!(one.left, one.right, "vanes of their own");
+    for value in one.left.iter().chain(&one.right) {
+        assert!((0.0..=0.1).contains(value));
+    }
+    // The shader's table has them: no level of detail is without.
+    let mut feather = primary();
+    let whole = feather.shape_table();
+    feather.clumps = clumps;
+    let parted = feather.shape_table();
+    let area = |table: &[[f32; 4]]| table.iter().map(|row| row[0] + row[1]).sum::<f32>();
+    let share = area(&parted.contour) / area(&whole.contour);
+    assert!((0.85..0.97).contains(&share), "{share}");
 }
 
 #[test]

@@ -232,7 +232,11 @@ fn fallback(mesh: &Mesh, joints: &[&str]) -> Result<(Groom, Coat), GroomError> {
     let joints: Vec<String> = joints.iter().map(|name| (*name).into()).collect();
     let groom = Groom::fallback(&skin, &joints);
     groom.validate("fallback")?;
-    let bird = Bird { skin, joints };
+    let bird = Bird {
+        skin,
+        joints,
+        ..Bird::default()
+    };
     // A quarter of the feathers, twice as long: faster.
     let coat = groom_bird(&bird, &groom, 1, 0.25)?;
     Ok((groom, coat))
@@ -437,7 +441,11 @@ fn feathers_without_guides_cover_edges() {
         let skin = SkinMesh::from_meshes(&[&mesh], &[]).unwrap();
         let groom = Groom::fallback(&skin, &[]);
         let joints = Vec::new();
-        let bird = Bird { skin, joints };
+        let bird = Bird {
+            skin,
+            joints,
+            ..Bird::default()
+        };
         let coat = groom_bird(&bird, &groom, 1, 1.0).unwrap();
         bare_share(&bird.skin, &coat)
     });

@@ -12,4 +12,5 @@ mod paint;
 mod plugin;
 mod proportions;
 mod skin_color;
+mod stretch;
 mod wrong_input;

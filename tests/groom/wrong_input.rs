@@ -105,7 +105,11 @@ fn weights_that_are_no_numbers_are_named_and_mended() {
     let skin = SkinMesh::from_meshes(&[&mesh], &[]).expect("a skin");
     let joints = skins::JOINTS.map(String::from).to_vec();
     let groom = Groom::fallback(&skin, &joints);
-    let bird = Bird { skin, joints };
+    let bird = Bird {
+        skin,
+        joints,
+        ..Bird::default()
+    };
     let coat = groom_bird(&bird, &groom, 1, 0.25).expect("feathers");
     let flaw = &coat.warnings[0];
     println!("{flaw}");

@@ -26,7 +26,7 @@ fn moved(place: Transform) -> (Mesh, Bird) {
     let skin = SkinMesh::from_meshes(&[&mesh], &[]).unwrap();
     let bird = Bird {
         skin,
-        joints: Vec::new(),
+        ..Bird::default()
     };
     (mesh, bird)
 }

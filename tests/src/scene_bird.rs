@@ -228,6 +228,7 @@ impl SceneBird {
             bird: Bird {
                 skin: SkinMesh::from_meshes(&meshes, &[]).expect("the body is a skin"),
                 joints: names,
+                pivots: Vec::new(),
             },
             groom,
             duration: channels.iter().map(last).fold(0.0, f32::max),

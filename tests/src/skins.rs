@@ -88,6 +88,7 @@ pub fn bird(tracts: bool) -> Bird {
     Bird {
         skin: SkinMesh::from_meshes(&[&mesh], &[]).expect("a sound mesh"),
         joints: JOINTS.map(String::from).to_vec(),
+        pivots: Vec::new(),
     }
 }
 

@@ -120,6 +120,9 @@ pub fn feather_panel(
     section(ui, "Splits of the contour", false, |ui| {
         changed |= fields.edit(ui, "gaps", &mut feather.gaps);
     });
+    section(ui, "Clumps of barbs", false, |ui| {
+        changed |= fields.edit(ui, "clumps", &mut feather.clumps);
+    });
     section(ui, "Color, front", false, |ui| {
         changed |= pattern_editor(ui, "front", &mut feather.albedo.front);
         ui.add_space(4.0);

@@ -62,7 +62,11 @@ pub(super) const EDGE_REACH: f64 = 8.0;
 impl Truth {
     pub(super) fn new(feather: &Feather, setting: &Setting, sheet: Sheet, mask: GrayImage) -> Self {
         let pose = sheet.pose.clone();
-        let shape = feather.contour.resampled(256).perturbed(&feather.gaps);
+        let shape = feather
+            .contour
+            .resampled(256)
+            .clumped(&feather.clumps)
+            .perturbed(&feather.gaps);
         let contour = shape
             .polyline([feather.left.barb_angle, feather.right.barb_angle])
             .into_iter()
