@@ -134,19 +134,20 @@ fn short_part(index: f32, eye: vec3<f32>, dark_back: f32) -> short::ShortShading
         head[i] = feather_at(table + i);
     }
     let place = fibre_row_at(sqrt(max(1.0 - eye.x * eye.x, 0.0)));
-    let first = table + short::SHORT_HEAD_LENGTH + place.index * short::SHORT_ROW_LENGTH;
+    let first = table + short::SHORT_HEAD_LENGTH + place.index * short::SHORT_STEP_LENGTH;
+    let change = first + short::SHORT_ROW_LENGTH;
     var row = array<vec4<f32>, 9>();
 #ifdef ONLY_MEAN
     // Of every series the four terms.
     for (var i = 0u; i < 6u; i++) {
         let to = select(2u * i - 3u, i, i < 3u);
-        row[to] = mix(feather_at(first + i), feather_at(first + short::SHORT_ROW_LENGTH + i), place.fraction);
+        row[to] = feather_at(first + i) + feather_at(change + i) * place.fraction;
     }
     let fine = false;
 #else
     for (var i = 0u; i < 9u; i++) {
-        let source = first + select(i + 3u, i, i < 3u);
-        row[i] = mix(feather_at(source), feather_at(source + short::SHORT_ROW_LENGTH), place.fraction);
+        let from_row = select(i + 3u, i, i < 3u);
+        row[i] = feather_at(first + from_row) + feather_at(change + from_row) * place.fraction;
     }
     let fine = true;
 #endif
@@ -346,6 +347,7 @@ fn shade(
             }
             let surface = shading.energy.x * vec2(before.x, after.x);
             let weight = share * base_share;
+            let clear = shading.energy.y * lit;
             // One channel after the other: fewer numbers at a time.
             for (var c = 0u; c < 3u; c++) {
                 let painted = min(albedo[c] * about.x, 0.98);
@@ -354,13 +356,12 @@ fn shade(
                 color.second *= entering[c];
                 color.scattered *= entering[c];
 #endif
-                let second = shading.energy.y * color.second * lit;
+                let second = clear * color.second;
                 let medulla = shading.energy.z * color.scattered;
                 let from_front = second * kept_second.x + medulla * before.w;
                 let from_back = surface.y + second * kept_second.y + medulla * after.w;
                 let scattered = shading.energy.x + second + medulla;
-                let meeting = 1.0 - min((surface.x + from_front + from_back) / max(scattered, 1e-6), 1.0);
-                let again = multiple_scattering(vec3(scattered), vec3(settings.multiple_scattering * meeting)).x;
+                let again = short::short_again(scattered, surface.x + from_front + from_back, settings.multiple_scattering);
                 var radiance = 0.0;
                 if (first == 0u) {
                     let everywhere = 0.5 * (around.irradiance[c] + behind.irradiance[c]);
