@@ -14,7 +14,7 @@ use crate::{
 };
 
 /// Tables are counted in steps of this many, so that an edit seldom changes the size of the buffer.
-const TABLE_STEP: usize = 8;
+const TABLE_STEP: usize = 4;
 
 /// Fibre tables built before, by what they were built from: building is the expensive part of packing.
 #[derive(Default)]
