@@ -4,7 +4,7 @@
 
 use super::{
     footprint::Footprint,
-    functions::{Real, normal_distribution, real, smooth_step},
+    functions::{Real, normal_distribution, normal_share, real, smooth_step},
 };
 
 /// Canonical point of `uv`: `x = (u - F_P(v)) aspect`, `y = v` (map M of Table 1, with true angles and the rachis on 0).
@@ -92,7 +92,7 @@ pub fn vane_start_coverage<T: Real>(footprint: &Footprint<T>, start: T, cotangen
         T::one()
     };
     let deviation = footprint_deviation(-cotangent * side, T::one(), footprint.covariance);
-    normal_distribution((barb_root(mean, cotangent) - start) / deviation)
+    normal_share((barb_root(mean, cotangent) - start) / deviation)
 }
 
 /// How far the barbules at a point hook into a closed vane, 0 (loose) to 1. They do not in the outer `fringe` share of a barb
@@ -103,12 +103,12 @@ pub fn hooked<T: Real>(distance: T, height: T, reach: T, fringe: T, downy: T) ->
     let share = distance / reach.max(real(1e-5));
     let edge = T::one() - fringe;
     let rim = if fringe > T::zero() {
-        T::one() - smooth_step(edge - fade, edge + fade, share)
+        T::one() - smooth_step(-fade, fade, share - edge)
     } else {
         T::one()
     };
     let down = if downy > T::zero() {
-        smooth_step(downy - fade, downy + fade, height)
+        smooth_step(-fade, fade, height - downy)
     } else {
         T::one()
     };

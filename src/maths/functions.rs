@@ -116,6 +116,16 @@ pub fn normal_distribution<T: Real>(z: T) -> T {
     T::of(0.5) + T::of(0.5) * error_function(z * T::of(core::f64::consts::FRAC_1_SQRT_2))
 }
 
+/// [`normal_distribution`] within 2e-5, for shares of a footprint: a logistic function of an odd polynomial
+/// (docs/book/fits/special_functions.py). `normal_share(-z)` completes it to 1.
+pub fn normal_share<T: Real>(z: T) -> T {
+    let x = clamp(z, T::of(-8.0), T::of(8.0));
+    let s = x * x;
+    let power =
+        x * (T::of(-2.301_727_13) + s * (T::of(-0.106_177_326) + s * T::of(0.000_911_244_969)));
+    T::one() / (T::one() + power.exp2())
+}
+
 /// What [`staircase`] needs of a variance, computed once per width.
 #[derive(Clone, Copy, Debug)]
 pub struct Width<T> {
@@ -226,7 +236,11 @@ pub fn overlap<T: Real>(x: T, h_d: T, h_p: T) -> T {
 
 /// Zero-mean integral of [`overlap`] minus its mean.
 pub fn overlap_integral<T: Real>(x: T, h_d: T, h_p: T) -> T {
-    T::of(1.0 / 6.0) * corners(x, h_d, h_p, |y| y * (y - T::of(0.5)) * (y - T::one()))
+    let cubic = |y: T| {
+        let y = y - T::of(0.5);
+        y * (y * y - T::of(0.25))
+    };
+    T::of(1.0 / 6.0) * corners(x, h_d, h_p, cubic)
 }
 
 /// Zero-mean integral of [`overlap_integral`].

@@ -11,7 +11,7 @@ use crate::{
         query::Lod,
         scattering::{
             KEPT_AZIMUTHS, KEPT_LEVELS, SHEEN_TABLE_SIZE, SHORT_HEAD_VEC4S, SHORT_ROW_VEC4S,
-            SHORT_TABLE_VEC4S, interference::SEEN_STEPS,
+            SHORT_STEP_VEC4S, SHORT_TABLE_VEC4S, interference::SEEN_STEPS,
         },
     },
     shaders::{ConstantLayout, StructLayout},
@@ -70,6 +70,7 @@ pub fn constant_layouts() -> Vec<ConstantLayout> {
         &[
             ("SHORT_HEAD_LENGTH", SHORT_HEAD_VEC4S),
             ("SHORT_ROW_LENGTH", SHORT_ROW_VEC4S),
+            ("SHORT_STEP_LENGTH", SHORT_STEP_VEC4S),
             ("SHORT_TABLE_LENGTH", SHORT_TABLE_VEC4S),
         ],
     ));

@@ -4,6 +4,7 @@ use bevy::math::Vec3;
 use bevy_plumage::{
     anatomy::Side,
     groom::Card,
+    maths::query::vane_shape,
     render::{
         layout as feathers,
         pack::{TableCache, pack_cards, pack_feathers},
@@ -192,7 +193,7 @@ fn a_packed_card_makes_the_round_trip() {
 
 #[test]
 fn a_packed_feather_makes_the_round_trip() {
-    const VALUES: usize = 32;
+    const VALUES: usize = 48;
     let text = "#import bevy_plumage::feather_data as data
         fn row(at: u32) -> vec4<f32> {
             return vec4(input[4u * at], input[4u * at + 1u], input[4u * at + 2u], input[4u * at + 3u]);
@@ -201,7 +202,7 @@ fn a_packed_feather_makes_the_round_trip() {
             let base = data::FEATHERS_BASE + i * data::FEATHER_STRIDE;
             let shape = row(base + data::SHAPE);
             let sheen = row(base + data::SHEEN);
-            var values = array<f32, 32>();
+            var values = array<f32, 48>();
             for (var side = 0u; side < 2u; side++) {
                 let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, side == 1u);
                 let rest = row(slot + 2u);
@@ -209,6 +210,10 @@ fn a_packed_feather_makes_the_round_trip() {
                 let all = array<f32, 11>(vane.p_b, vane.d_bl, vane.cos_b, vane.sin_b, vane.cos_bl, vane.sin_bl, vane.r_b, vane.r_bd,
                     vane.r_bp, rest.y, rest.z);
                 for (var j = 0u; j < 11u; j++) { values[11u * side + j] = all[j]; }
+                let shape = data::shape_unpack(row(slot), row(slot + 1u), rest, row(slot + 3u), row(slot + 4u));
+                let known = array<f32, 8>(shape.per_barb, shape.per_barbule, shape.barb, shape.distal.radius, shape.proximal.inverse,
+                    shape.proximal.ratio, shape.kappa, shape.e_root);
+                for (var j = 0u; j < 8u; j++) { values[32u + 8u * side + j] = known[j]; }
             }
             values[22] = shape.x;
             values[23] = shape.y;
@@ -220,7 +225,7 @@ fn a_packed_feather_makes_the_round_trip() {
             values[29] = row(base + data::HEADER_LENGTH).z;
             values[30] = row(base + data::HEADER_LENGTH + data::RACHIS_SAMPLES + 100u).y;
             values[31] = row(0u).x;
-            for (var j = 0u; j < 32u; j++) { output[32u * i + j] = values[j]; }
+            for (var j = 0u; j < 48u; j++) { output[48u * i + j] = values[j]; }
         }";
     let feathers = ["contour", "primary"].map(plumage_tests::shipped::feather);
     let bytes = pack_feathers(&[&feathers[0], &feathers[1]], &mut TableCache::default());
@@ -260,6 +265,13 @@ fn a_packed_feather_makes_the_round_trip() {
         ]);
         wanted.extend([feather.albedo.share.rachis, feather.albedo.share.barb]);
         wanted.extend([table.rachis[0][2], table.contour[100][1], 2.0]);
+        for side in Side::BOTH {
+            let shape = vane_shape(&feather.card_vane::<f32>(side).vane);
+            let [distal, proximal] = shape.families;
+            wanted.extend([shape.per_barb, shape.per_barbule, shape.barb]);
+            wanted.extend([distal.radius, proximal.inverse, proximal.ratio]);
+            wanted.extend([shape.kappa, shape.e_root]);
+        }
         assert_eq!(found, wanted);
     }
 }

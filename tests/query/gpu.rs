@@ -31,10 +31,10 @@ fn functions_of_one_variable() {
             let v = input[2u * i + 1u];
             let w = m::width(v);
             let d = m::staircase_derivatives(x, w);
-            let values = array<f32, 12>(m::sine_turns(x), m::error_function(x), m::normal_distribution(x), m::staircase(x, w),
+            let values = array<f32, 13>(m::sine_turns(x), m::error_function(x), m::normal_distribution(x), m::staircase(x, w),
                 d.x, d.y, m::overlap(x, 0.3, 0.4), m::overlap_integral(x, 0.3, 0.4), m::overlap_second_integral(x, 0.3, 0.4),
-                m::overlap_third_integral(x, 0.3, 0.4), d.z * v, m::arc_sine(fract(abs(x))));
-            for (var j = 0u; j < 12u; j++) { output[12u * i + j] = values[j]; }
+                m::overlap_third_integral(x, 0.3, 0.4), d.z * v, m::arc_sine(fract(abs(x))), m::normal_share(x));
+            for (var j = 0u; j < 13u; j++) { output[13u * i + j] = values[j]; }
         }";
     let mut input = Vec::new();
     for i in 0..400 {
@@ -43,10 +43,10 @@ fn functions_of_one_variable() {
         }
     }
     let count = input.len() / 2;
-    let Some(result) = gpu::run(&["math.wgsl"], text, &input, count, 12 * count) else {
+    let Some(result) = gpu::run(&["math.wgsl"], text, &input, count, 13 * count) else {
         return;
     };
-    for (pair, found) in input.chunks(2).zip(result.chunks(12)) {
+    for (pair, found) in input.chunks(2).zip(result.chunks(13)) {
         let (x, v) = (pair[0], pair[1]);
         let w = functions::width(v);
         let [first, second, third] = functions::staircase_derivatives(x, w);
@@ -63,7 +63,10 @@ fn functions_of_one_variable() {
             functions::overlap_third_integral(x, 0.3, 0.4),
             third * v,
             functions::arc_sine(x.abs().fract()),
+            functions::normal_share(x),
         ];
+        let exact = functions::normal_distribution(x);
+        assert!((functions::normal_share(x) - exact).abs() < 2e-5, "{x}");
         for (j, (a, b)) in wanted.iter().zip(found).enumerate() {
             assert!(
                 (a - b).abs() <= 2e-6 * (1.0 + a.abs()) + 2e-6 / v.min(1.0),
@@ -145,7 +148,7 @@ const WHOLE_INPUTS: usize = 25;
 fn whole_query() {
     let text = "#import bevy_plumage::anatomy::{barb_cotangent, barb_root}
         #import bevy_plumage::footprint::{Footprint, mirrored, widened}
-        #import bevy_plumage::masking::{Vane, mask_rachis}
+        #import bevy_plumage::masking::{Vane, mask_rachis, vane_shape}
         #import bevy_plumage::query::{classify_bounds, LOD_MIXED}
         #import bevy_plumage::query_feather::{CardVane, Outline, cover_feather, cover_rachis, cover_vane}
         #import bevy_plumage::query_split::{outline_node, outline_root, outline_sight}
@@ -156,7 +159,7 @@ fn whole_query() {
             return vec2(outline.x * (1.0 - notch) + outline.y * (root - 0.5), outline.x * notch * t / 0.02 + outline.y);
         }
         fn side(card: CardVane, start: f32, contour: vec3<f32>, f: Footprint, edge: f32, view: vec3<f32>, lod: u32) -> vec3<f32> {
-            let cotangent = barb_cotangent(card.vane.sin_b, card.vane.cos_b);
+            let cotangent = barb_cotangent(card.shape.vane.sin_b, card.shape.vane.cos_b);
             let sight = outline_sight(f, cotangent, 1.0 / 255.0);
             var nodes = vec2(0.0);
             for (var j = 0u; j < sight.count; j++) {
@@ -172,7 +175,7 @@ fn whole_query() {
             let f = Footprint(vec2(input[a + 9u], input[a + 10u]), vec3(input[a + 11u], input[a + 12u], input[a + 13u]));
             let view = normalize(vec3(input[a + 14u], input[a + 15u], input[a + 16u]));
             let contour = vec3(input[a + 18u], input[a + 19u], input[a + 20u]);
-            let card = CardVane(vane, input[a + 21u], input[a + 22u]);
+            let card = CardVane(vane_shape(vane), input[a + 21u], input[a + 22u]);
             let start = input[a + 23u];
             let lod = u32(input[a + 24u]);
             let wide = widened(f).footprint;

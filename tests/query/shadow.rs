@@ -152,12 +152,12 @@ fn any_vane(random: &mut Pcg64Mcg) -> Vane<f64> {
 
 #[test]
 fn the_shader_shades_like_the_processor() {
-    let text = "#import bevy_plumage::{masking::Vane, shadow}
+    let text = "#import bevy_plumage::{masking::{Vane, vane_shape}, shadow}
         fn evaluate(i: u32) {
             let at = 16u * i;
             let vane = Vane(input[at], input[at + 1u], input[at + 2u], input[at + 3u], input[at + 4u], input[at + 5u],
                 input[at + 6u], input[at + 7u], input[at + 8u], input[at + 9u]);
-            let eye = shadow::vane_eye(vane, vec3(input[at + 10u], input[at + 11u], input[at + 12u]),
+            let eye = shadow::vane_eye(vane_shape(vane), vec3(input[at + 10u], input[at + 11u], input[at + 12u]),
                 shadow::MirrorPlace(0.4, 0.0), shadow::MirrorPlace(0.3, 0.2));
             let ray = shadow::vane_ray(eye, vec3(input[at + 13u], input[at + 14u], input[at + 15u]));
             let upper = shadow::upper_light(eye, shadow::upper_eye(eye.shape, eye.layers), ray);

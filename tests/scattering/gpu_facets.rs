@@ -25,8 +25,8 @@ fn vector(at: u32) -> vec3<f32> { return vec3<f32>(input[at], input[at + 1u], in
 fn four(at: u32) -> vec4<f32> { return vec4<f32>(vector(at), input[at + 3u]); }
 
 fn stack_look(cosine: f32, scale: f32) -> vec4<f32> {
-    let row = interference::stack_row(scale, 1.0, -0.5, 2u);
-    let place = interference::stack_step(cosine, 64u);
+    let row = interference::stack_row(scale, 1.0, -0.5, 2.0);
+    let place = interference::stack_step(cosine, 64.0);
     let at = 4u * (64u * row.index + place.index);
     let low = mix(four(at), four(at + 4u), place.fraction);
     let high = mix(four(at + 256u), four(at + 260u), place.fraction);
@@ -43,11 +43,11 @@ fn evaluate(i: u32) {
     let facets = interference::Facets(input[at], input[at + 1u], input[at + 2u]);
     let eye = vector(at + 3u);
     let light = vector(at + 6u);
-    let place = interference::scale_place(vec2<u32>(2u, 2u), vec2<f32>(input[at + 16u], input[at + 17u]));
+    let place = interference::scale_place(vec2<f32>(2.0, 2.0), vec2<f32>(input[at + 16u], input[at + 17u]));
     let scale = interference::scale_mix(vec4<f32>(0.75, 0.9, 1.1, 1.4), place.fraction);
     let view = interference::facet_view(facets, eye);
     let seen_at = interference::seen_place(facets, vec2<f32>(input[at + 19u], input[at + 20u]), eye);
-    let row = interference::stack_row(scale, 1.0, -0.5, 2u);
+    let row = interference::stack_row(scale, 1.0, -0.5, 2.0);
     let first = SEEN + 2048u * u32(input[at + 18u]) + 4u * seen_at.index;
     let texel = mix(seen_quad(first, seen_at.fraction), seen_quad(first + 1024u, seen_at.fraction), row.fraction);
     let seen = interference::facet_seen(texel, seen_at);

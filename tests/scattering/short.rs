@@ -76,6 +76,7 @@ fn cosine([_, y, z]: [f64; 3]) -> f64 {
 /// The short form as the shader reads it.
 struct Short {
     head: [[f64; 4]; SHORT_HEAD_VEC4S],
+    /// A row, how the next one differs from it, and so on.
     rows: Vec<ShortRow<f64>>,
 }
 
@@ -95,7 +96,12 @@ impl Short {
 
     fn shade(&self, case: &Case) -> ShortShading<f64> {
         let (i, fraction) = fibre_row_at(cosine(case.eye));
-        let row = short_row_mix(&self.rows[i], &self.rows[i + 1], fraction, case.fine);
+        let row = short_row_step(
+            &self.rows[2 * i],
+            &self.rows[2 * i + 1],
+            fraction,
+            case.fine,
+        );
         short_shading(&self.head, &row, case.eye, case.dark_back)
     }
 
@@ -203,6 +209,23 @@ fn the_short_form_is_the_whole_one() {
 }
 
 #[test]
+fn light_that_meets_again_is_that_of_the_whole_form() {
+    for scattered in [0.0, 0.01, 0.3, 0.9, 1.0] {
+        for kept in [0.0, 0.2, 0.7, 1.0, 1.1].map(|share| share * scattered) {
+            for strength in [0.0, 0.5, 1.0] {
+                let meeting = strength * (1.0 - f64::min(kept / f64::max(scattered, 1e-6), 1.0));
+                let wanted = multiple_scattering([scattered; 3], [meeting; 3])[0];
+                let found = short_again(scattered, kept, strength);
+                assert!(
+                    (found - wanted).abs() < 1e-12,
+                    "{scattered}, {kept}, {strength}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
 fn the_shader_agrees() {
     const ENTRY: &str = "
 #import bevy_plumage::scattering as scattering
@@ -222,24 +245,27 @@ fn evaluate(i: u32) {
     var head: array<vec4<f32>, 4>;
     for (var k = 0u; k < 4u; k++) { head[k] = load(table + 4u * k); }
     let place = scattering::fibre_row_at(length(omega_o.yz));
-    let first = table + 4u * (short::SHORT_HEAD_LENGTH + place.index * short::SHORT_ROW_LENGTH);
+    let first = table + 4u * (short::SHORT_HEAD_LENGTH + place.index * short::SHORT_STEP_LENGTH);
     let fine = input[at + 12u] > 0.5;
     var row: array<vec4<f32>, 9>;
     for (var k = 0u; k < 9u; k++) {
         var from_row = k;
         if (k >= 3u) { from_row = select((k + 3u) / 2u, k + 3u, fine); }
         if (fine || k < 3u || k % 2u == 1u) {
-            row[k] = mix(load(first + 4u * from_row), load(first + 4u * (from_row + short::SHORT_ROW_LENGTH)), place.fraction);
+            row[k] = load(first + 4u * from_row) + load(first + 4u * (from_row + short::SHORT_ROW_LENGTH)) * place.fraction;
         }
     }
     let s = short::short_shading(head, row, omega_o, input[at + 10u], fine);
     let lobes = short::short_lobes(s, omega_i);
     for (var c = 0u; c < 3u; c++) {
         let color = short::short_color(s, albedo[c], input[at + 11u]);
-        output[12u * i + c] = short::short_lit(s, color, lobes, scattering::FibreReach(1.0, 1.0, 0.0, lobes.turn));
-        output[12u * i + 3u + c] = short::short_lit(s, color, lobes, scattering::FibreReach(0.8, 0.6, 0.2, 0.3));
-        output[12u * i + 6u + c] = s.energy.y * color.second;
-        output[12u * i + 9u + c] = s.energy.z * color.scattered + s.energy.x;
+        output[15u * i + c] = short::short_lit(s, color, lobes, scattering::FibreReach(1.0, 1.0, 0.0, lobes.turn));
+        output[15u * i + 3u + c] = short::short_lit(s, color, lobes, scattering::FibreReach(0.8, 0.6, 0.2, 0.3));
+        let second = s.energy.y * color.second;
+        let rest = s.energy.z * color.scattered + s.energy.x;
+        output[15u * i + 6u + c] = second;
+        output[15u * i + 9u + c] = rest;
+        output[15u * i + 12u + c] = short::short_again(second + rest, 0.4 * second + 0.8 * rest, 0.9);
     }
 }
 ";
@@ -283,7 +309,7 @@ fn evaluate(i: u32) {
         ENTRY,
         &input,
         list.len(),
-        12 * list.len(),
+        15 * list.len(),
     ) else {
         return;
     };
@@ -294,7 +320,7 @@ fn evaluate(i: u32) {
         place: 0.3,
     };
     let mut worst = [0.0_f64; 2];
-    for (case, found) in list.iter().zip(out.chunks(12)) {
+    for (case, found) in list.iter().zip(out.chunks(15)) {
         assert!(
             found.iter().all(|x| x.is_finite() && *x >= 0.0),
             "{:?} {:?}: {found:?}",
@@ -319,7 +345,9 @@ fn evaluate(i: u32) {
             let off = |k: usize, wanted: f64| (f64::from(found[k + c]) - wanted).abs();
             let error = off(0, whole).max(off(3, lit)) / peak;
             worst[0] = worst[0].max(error);
-            let error = off(6, second).max(off(9, medulla + surface));
+            let rest = medulla + surface;
+            let again = short_again(second + rest, 0.4 * second + 0.8 * rest, 0.9);
+            let error = off(6, second).max(off(9, rest)).max(off(12, again));
             worst[1] = worst[1].max(error);
         }
     }

@@ -25,6 +25,13 @@ r = 3.75 / np.maximum(x, 3.75)
 high = np.polyval([0.00392377, -0.01647633, 0.02635537, -0.02057706, 0.00916281, -0.00157565, 0.00225319, 0.01328592, 0.39894228], r) / np.sqrt(np.maximum(x, 3.75))
 print("i0e: relative error %.1e (Abramowitz and Stegun 9.8.1, 9.8.2: 5e-7)" % np.abs(np.where(x < 3.75, low, high) / i0e(x) - 1).max())
 
+below = np.polyval([0.0122650664, 0.0162134503, 0.110501287, 0.284803712, 0.342285443, 1], x)
+above = np.polyval([0.0770636847, 0.0825281505, 0.66658347, 1.49792471, 2.47513668, 2.34192582, 1], x)
+print("short_bessel: relative error %.1e (documented 4e-6)" % np.abs(np.sqrt(below / above) / i0e(x) - 1).max())
+x = np.linspace(-8, 8, 200001)
+power = x * np.polyval([0.000911244969, -0.106177326, -2.30172713], x * x)
+print("normal_share: error %.1e (documented 2e-5)" % np.abs(1 / (1 + 2**power) - 0.5 * (1 + erf(x / np.sqrt(2)))).max())
+
 
 def staircase(x, v):
     """Wrapped Gaussian's integral: all images."""

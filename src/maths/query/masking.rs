@@ -48,6 +48,10 @@ pub struct VaneShape<T> {
     pub families: [Family<T>; 2],
     /// Distance of the storeys' axes from the middle of the vane, feather lengths.
     pub lift: T,
+    /// See [`Cell::kappa`].
+    pub kappa: T,
+    /// Seen from the front, see [`Cell::e_root`].
+    pub e_root: T,
 }
 
 /// Sizes of a family of barbules.
@@ -113,6 +117,8 @@ pub struct Storeys<T> {
     pub slope: T,
     /// Half the silhouette of a barb over its radius.
     pub root: T,
+    /// One over it.
+    pub per_root: T,
     /// Half the silhouette of a barb, feather lengths.
     pub silhouette: T,
     /// Storeys of barbules: the one that the direction meets first, and the other.
@@ -144,6 +150,7 @@ pub fn vane_shape<T: Real>(vane: &Vane<T>) -> VaneShape<T> {
             ratio: radius * per_barbule,
         }
     });
+    let ratio = vane.p_b / vane.d_bl;
     VaneShape {
         vane: *vane,
         per_barb: one / vane.p_b,
@@ -151,6 +158,8 @@ pub fn vane_shape<T: Real>(vane: &Vane<T>) -> VaneShape<T> {
         barb: vane.r_b.min(vane.p_b),
         families,
         lift: T::of(0.5) * (families[0].radius + families[1].radius),
+        kappa: (vane.cos_bl / vane.sin_bl * ratio).max(T::of(0.01)),
+        e_root: wrap(vane.cos_b / vane.sin_b * ratio),
     }
 }
 
@@ -172,6 +181,7 @@ pub fn storeys<T: Real>(shape: &VaneShape<T>, [x, y, facing]: [T; 3]) -> Storeys
     Storeys {
         slope,
         root,
+        per_root: T::one() / root,
         silhouette: shape.barb * root,
         layers: if facing >= T::zero() {
             [distal, proximal]
@@ -258,9 +268,7 @@ pub fn mask_vane<T: Real>(vane: &Vane<T>, view: [T; 3]) -> Cell<T> {
     let [upper, lower] = storeys.layers;
     let (h_d, h_p) = (half * strip.first, half * strip.second);
     let shift = |storey: &Storey<T>| wrap(shape.lift * storey.slope * shape.per_barbule);
-    let ratio = vane.p_b / vane.d_bl;
-    let kappa = (vane.cos_bl / vane.sin_bl * ratio).max(T::of(0.01));
-    let e_root = wrap(vane.cos_b / vane.sin_b * ratio);
+    let VaneShape { kappa, e_root, .. } = shape;
     if view[2] >= zero {
         Cell {
             kappa,

@@ -147,10 +147,9 @@ pub fn vane_eye<T: Real>(
     }
 }
 
-/// Fibres that the eye meets with `slope`, silhouette over period `wide`.
-fn part_eye<T: Real>(slope: T, wide: T) -> PartEye<T> {
+/// Fibres to which the eye lies at `across` in their cross-section, silhouette over period `wide`.
+fn part_eye<T: Real>(across: [T; 2], wide: T) -> PartEye<T> {
     let (zero, one) = (T::zero(), T::one());
-    let across = cross_section(slope, one);
     let (reach, own) = family_reach(wide);
     PartEye {
         across,
@@ -170,7 +169,7 @@ pub fn barb_eye<T: Real>(shape: &VaneShape<T>, storeys: &Storeys<T>) -> PartEye<
     let long = storeys.silhouette + storeys.silhouette;
     PartEye {
         open: barb_open(shape, storeys),
-        ..part_eye(storeys.slope, long * shape.per_barb)
+        ..part_eye(barb_section(storeys, T::one()), long * shape.per_barb)
     }
 }
 
@@ -181,7 +180,7 @@ pub fn upper_eye<T: Real>(shape: &VaneShape<T>, storeys: &Storeys<T>) -> PartEye
     PartEye {
         gap,
         per_gap: T::one() / (gap[1] - gap[0]).max(T::of(1e-6)),
-        ..part_eye(upper.slope, upper.wide)
+        ..part_eye(cross_section(upper.slope, T::one()), upper.wide)
     }
 }
 
@@ -197,7 +196,7 @@ pub fn lower_eye<T: Real>(shape: &VaneShape<T>, storeys: &Storeys<T>) -> PartEye
         open,
         shift,
         ripple: (ripple + ripple) / open.max(T::of(1e-3)),
-        ..part_eye(lower.slope, lower.wide)
+        ..part_eye(cross_section(lower.slope, T::one()), lower.wide)
     }
 }
 
@@ -231,6 +230,11 @@ pub fn vane_caught<T: Real>(shape: &VaneShape<T>, storeys: &Storeys<T>, facing: 
 fn cross_section<T: Real>(slope: T, up: T) -> [T; 2] {
     let scale = T::one() / (T::one() + slope * slope).sqrt();
     [slope * scale, up * scale]
+}
+
+/// [`cross_section`] of the barbs.
+fn barb_section<T: Real>(storeys: &Storeys<T>, up: T) -> [T; 2] {
+    [storeys.slope, up].map(|x| x * storeys.per_root)
 }
 
 /// Radii below the ray through the axis from which on neighbors hide a fibre, and the share of its silhouette that they leave.
@@ -382,7 +386,7 @@ pub fn shaft_light<T: Real>(ray: &VaneRay<T>) -> VaneLight<T> {
 pub fn barb_light<T: Real>(eye: &VaneEye<T>, ray: &VaneRay<T>) -> VaneLight<T> {
     let (shape, mirror, up) = (&eye.shape, eye.mirrors[0], ray.up());
     let part = &eye.parts[0];
-    let light = cross_section(ray.storeys.slope, up);
+    let light = barb_section(&ray.storeys, up);
     let long = ray.storeys.silhouette + ray.storeys.silhouette;
     let (reach, own) = family_reach(long * shape.per_barb);
     let half = halfway(part.across, light);
@@ -392,14 +396,15 @@ pub fn barb_light<T: Real>(eye: &VaneEye<T>, ray: &VaneRay<T>) -> VaneLight<T> {
     };
     let seen = barb_reached(shape, &eye.storeys, towards(part.across), T::one());
     let mut lit = barb_reached(shape, &ray.storeys, towards(light), up);
+    let mut both = lit * seen;
     // Eye and light over the same flank look through the same gaps.
     if !ray.beyond && eye.storeys.slope * ray.storeys.slope > T::zero() {
+        both = lit.min(seen);
         lit = (lit / seen.max(T::of(1e-4))).min(T::one());
     }
-    let lit = lit * within;
     VaneLight {
-        mirror: lit * seen / part.open.max(T::of(1e-3)),
-        lit,
+        mirror: within * both / part.open.max(T::of(1e-3)),
+        lit: within * lit,
         even: barb_open(shape, &ray.storeys),
         along: T::zero(),
         place: dot2(part.middle, family_middle(light, own, up)),

@@ -9,7 +9,7 @@
 use super::{choose::PARTS_MARGIN, vane::Local};
 use crate::maths::{
     footprint::Footprint,
-    functions::{Real, clamp, normal_density, normal_distribution},
+    functions::{Real, clamp, normal_density, normal_distribution, normal_share},
 };
 
 /// A share of a footprint, as a Gaussian.
@@ -76,7 +76,7 @@ fn covariance_times<T: Real>([xx, xy, yy]: [T; 3], [x, y]: [T; 2]) -> [T; 2] {
 pub fn line_share<T: Real>(line: &Line<T>, f: &Footprint<T>) -> T {
     let along = covariance_times(f.covariance, line.gradient);
     let variance = line.gradient[0] * along[0] + line.gradient[1] * along[1];
-    normal_distribution(line_at(line, f.mean) / variance.max(T::of(1e-30)).sqrt())
+    normal_share(line_at(line, f.mean) / variance.max(T::of(1e-30)).sqrt())
 }
 
 /// Prepares the parts of a footprint inside a line; their masses sum to its share. `resolved`: up to four of them, else one of the
@@ -130,7 +130,7 @@ pub fn line_part<T: Real>(cut: &LineCut<T>, index: usize) -> Part<T> {
         };
     }
     if cut.parts <= 1 {
-        let mass = normal_distribution(-cut.line);
+        let mass = normal_share(-cut.line);
         let ratio = normal_density(cut.line) / mass.max(T::of(1e-6));
         let variance = clamp(one + cut.line * ratio - ratio * ratio, T::of(0.02), one);
         return moved_part(cut, mass, ratio, variance);
@@ -261,7 +261,7 @@ pub fn outline_node<T: Real>(sight: &OutlineSight<T>, i: u32, reach: [T; 2]) -> 
     let deviation = (sight.rest + steep * steep * width).sqrt();
     let inside = reach[0] - sight.inset - sight.slope * t * sight.sigma;
     let weight = normal_density(t);
-    [weight, weight * normal_distribution(inside / deviation)]
+    [weight, weight * normal_share(inside / deviation)]
 }
 
 /// Share of a footprint over the left vane inside an outline: `reach` gives how far the barb from a root reaches along x, and the

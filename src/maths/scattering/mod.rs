@@ -64,9 +64,9 @@ pub use sheen::{
     sheen_tint,
 };
 pub use short::{
-    MEAN_COSINES, SHORT_HEAD_VEC4S, SHORT_ROW_VEC4S, SHORT_TABLE_VEC4S, ShortColor, ShortLobes,
-    ShortRow, ShortShading, ShortTerms, short_color, short_lit, short_lobes, short_row_mix,
-    short_shading,
+    MEAN_COSINES, SHORT_HEAD_VEC4S, SHORT_ROW_VEC4S, SHORT_STEP_VEC4S, SHORT_TABLE_VEC4S,
+    ShortColor, ShortLobes, ShortRow, ShortShading, ShortTerms, short_again, short_color,
+    short_lit, short_lobes, short_row_step, short_shading,
 };
 pub use table::{
     FIBRE_HARMONICS, FIBRE_PARAMETER_VEC4S, FIBRE_ROW_VEC4S, FIBRE_ROWS, FibreRow, FibreTable,

@@ -5,8 +5,6 @@
 use super::{
     FIBRE_HARMONICS, FIBRE_ROWS, FibreReach, FibreRow, FibreTable, Lobe, LongitudinalSpread,
     flat::ROUND,
-    frame::polar,
-    longitudinal_with,
     shading::{FIRST_BLUR, TWICE_SILHOUETTE, damped},
 };
 use crate::maths::functions::{Real, clamp, real};
@@ -20,7 +18,7 @@ pub const MEAN_COSINES: usize = 4;
 /// |---|---|
 /// | 0 | R: sine and cosine of the shift, one over the squared roughness, what makes the integral 1/2 pi |
 /// | 1 | the same of TT (pigment) or TRcT (structural) |
-/// | 2 | lowest albedo f, 1/(1 - f), exponent and factor of the absorption of a color |
+/// | 2 | of the color y inside, `a/(1 - f) - f/(1 - f)` for the lowest albedo f: constant and factor; exponent and factor of its absorption |
 /// | 3 | 1: structural, share c of round trips head on, half width of the edge of a dark back |
 pub const SHORT_HEAD_VEC4S: usize = 4;
 /// vec4s in one row; rows are those of [`FibreTable`].
@@ -38,8 +36,10 @@ pub const SHORT_HEAD_VEC4S: usize = 4;
 /// Terms are damped. What is not an energy itself is multiplied with that of its lobe, so rows are mixed linearly and an empty lobe
 /// does not pull the shape of its neighbor.
 pub const SHORT_ROW_VEC4S: usize = 12;
+/// vec4s of a step from one row to the next: a row, and how the next one differs from it.
+pub const SHORT_STEP_VEC4S: usize = 2 * SHORT_ROW_VEC4S;
 /// vec4s of a table.
-pub const SHORT_TABLE_VEC4S: usize = SHORT_HEAD_VEC4S + FIBRE_ROWS * SHORT_ROW_VEC4S;
+pub const SHORT_TABLE_VEC4S: usize = SHORT_HEAD_VEC4S + (FIBRE_ROWS - 1) * SHORT_STEP_VEC4S;
 
 /// Energy of a lobe below which it is left out.
 const LEAST_ENERGY: f64 = 1e-3;
@@ -70,8 +70,10 @@ pub struct ShortShading<T> {
     pub back: [T; 2],
     /// Has a mirror core.
     pub structural: bool,
-    /// Lowest albedo, one over the rest, exponent and factor of the absorption of a color.
+    /// Color inside a fibre by its albedo: constant and factor; exponent and factor of its absorption.
     pub absorption: [T; 4],
+    /// Least and largest color inside.
+    pub range: [T; 2],
     /// t and k of TT, or the shares of round trips of a mirror core head on and here.
     pub through: [T; 2],
     /// t and k of the medulla; how fast light forgets its place around and along the fibre, times t.
@@ -118,9 +120,20 @@ impl FibreTable {
 
     /// For the GPU: what `scattering_short.wgsl` reads, [`SHORT_TABLE_VEC4S`] vec4s.
     pub fn pack_short(&self) -> Vec<[f32; 4]> {
-        let rows = self.rows.iter().flat_map(|row| self.short_row(row));
-        let all = self.short_head().into_iter().chain(rows);
+        let all = self.short_head().into_iter().chain(self.short_steps());
         all.map(|v| v.map(|x| x as f32)).collect()
+    }
+
+    /// The rows as [`short_row_step`] reads them: [`SHORT_STEP_VEC4S`] vec4s for each step.
+    pub fn short_steps(&self) -> Vec<[f64; 4]> {
+        let rows: Vec<_> = self.rows.iter().map(|row| self.short_row(row)).collect();
+        let steps = rows.windows(2).flat_map(|pair| {
+            let change =
+                std::array::from_fn(|v| std::array::from_fn(|i| pair[1][v][i] - pair[0][v][i]));
+            let step: [ShortRow<f64>; 2] = [pair[0], change];
+            step.into_iter().flatten()
+        });
+        steps.collect()
     }
 
     /// The vec4s before the rows.
@@ -142,7 +155,12 @@ impl FibreTable {
         [
             lobe(Lobe::R),
             lobe(second),
-            [p.fresnel, 1.0 / (1.0 - p.fresnel), -exponent, 1.0 / t],
+            [
+                -p.fresnel / (1.0 - p.fresnel),
+                1.0 / (1.0 - p.fresnel),
+                -exponent,
+                1.0 / t,
+            ],
             [
                 f64::from(u8::from(p.structural)),
                 p.round_trips,
@@ -202,14 +220,14 @@ impl FibreTable {
     }
 }
 
-/// A mixture of two rows; `fine`: with eight terms.
-pub fn short_row_mix<T: Real>(
-    a: &ShortRow<T>,
-    b: &ShortRow<T>,
+/// A row and a share of how the next one differs from it; `fine`: with eight terms.
+pub fn short_row_step<T: Real>(
+    row: &ShortRow<T>,
+    change: &ShortRow<T>,
     fraction: T,
     fine: bool,
 ) -> ShortTerms<T> {
-    let mix = |v: usize| std::array::from_fn(|i| a[v][i] + (b[v][i] - a[v][i]) * fraction);
+    let mix = |v: usize| std::array::from_fn(|i| row[v][i] + change[v][i] * fraction);
     let mut out = [[T::zero(); 4]; 9];
     for (i, v) in out.iter_mut().enumerate() {
         match i {
@@ -230,7 +248,7 @@ pub fn short_shading<T: Real>(
     dark_back: T,
 ) -> ShortShading<T> {
     let (zero, one) = (T::zero(), T::one());
-    let ((sine, cosine), azimuth) = polar(omega_o);
+    let ((sine, cosine), azimuth) = short_polar(omega_o);
     let eye = [head[0], head[1]]
         .map(|[s, c, _, _]| (sine * c - cosine * s, (cosine * c + sine * s).abs()));
     let spread =
@@ -259,16 +277,70 @@ pub fn short_shading<T: Real>(
         back: [head[3][2], clamp(dark_back, zero, one)],
         structural,
         absorption: head[2],
+        range: [
+            head[2][1] * real(0.002),
+            head[2][1] * real(0.995) + head[2][0],
+        ],
         through,
         inside,
     }
 }
 
+/// Sine and cosine of a direction's inclination, and its azimuth. Moved by a millionth, so that there is an azimuth along the fibre.
+fn short_polar<T: Real>([x, y, z]: [T; 3]) -> ((T, T), [T; 2]) {
+    let z = z + real(1e-6);
+    let across = y * y + z * z;
+    let per = T::one() / across.max(real(1e-20)).sqrt();
+    ((x, across * per), [y * per, z * per])
+}
+
+/// `exp(-x) I_0(x)` for x >= 0, within 4e-6 of itself (docs/book/fits/special_functions.py).
+fn short_bessel<T: Real>(x: T) -> T {
+    let below = [
+        0.012_265_066_4,
+        0.016_213_450_3,
+        0.110_501_287,
+        0.284_803_712,
+        0.342_285_443,
+        1.0,
+    ];
+    let above = [
+        0.077_063_684_7,
+        0.082_528_150_5,
+        0.666_583_47,
+        1.497_924_71,
+        2.475_136_68,
+        2.341_925_82,
+        1.0,
+    ];
+    let [below, above] =
+        [&below[..], &above].map(|list| list.iter().fold(T::zero(), |sum, k| sum * x + real(*k)));
+    (below / above).sqrt()
+}
+
+/// [`longitudinal_with`](super::longitudinal_with).
+fn short_longitudinal<T: Real>(eye: (T, T), light: (T, T), spread: LongitudinalSpread<T>) -> T {
+    let (ds, dc) = (light.0 + eye.0, light.1 - eye.1);
+    let chord = ds * ds + dc * dc;
+    short_bessel(light.1 * eye.1 * spread.inverse)
+        * (chord * (real::<T>(-0.5) * spread.inverse)).exp()
+        * spread.scale
+}
+
+/// Energy of light that met further fibres, where a fibre keeps `kept` of the energy `scattered` and `strength` times the rest meets
+/// another one: [`multiple_scattering`](super::multiple_scattering) of the chance `strength (1 - kept / scattered)`.
+pub fn short_again<T: Real>(scattered: T, kept: T, strength: T) -> T {
+    let (zero, one) = (T::zero(), T::one());
+    let all = scattered.min(one);
+    let lost = (strength * (scattered - kept).max(zero)).min(all * real(0.99));
+    lost * (all - lost) / (one - lost)
+}
+
 /// One channel of a fibre's color. `frequency`: see [`fibre_along`](super::fibre_along), 0 where no shadow lies along the fibre.
 pub fn short_color<T: Real>(s: &ShortShading<T>, albedo: T, frequency: T) -> ShortColor<T> {
     let (zero, one) = (T::zero(), T::one());
-    let [fresnel, per_rest, exponent, per_t] = s.absorption;
-    let y = (clamp(albedo, fresnel + real(0.002), real(0.995)) - fresnel) * per_rest;
+    let [least, rise, exponent, per_t] = s.absorption;
+    let y = clamp(albedo * rise + least, s.range[0], s.range[1]);
     let mut color = ShortColor {
         second: zero,
         scattered: zero,
@@ -303,9 +375,9 @@ pub fn short_color<T: Real>(s: &ShortShading<T>, albedo: T, frequency: T) -> Sho
 /// K for light from `omega_i` before color; see [`fibre_lobes`](super::fibre_lobes).
 pub fn short_lobes<T: Real>(s: &ShortShading<T>, omega_i: [T; 3]) -> ShortLobes<T> {
     let (zero, one, two) = (T::zero(), T::one(), real::<T>(2.0));
-    let (light, azimuth) = polar(omega_i);
+    let (light, azimuth) = short_polar(omega_i);
     let o = s.azimuth;
-    let turn = clamp(o[0] * azimuth[0] + o[1] * azimuth[1], -one, one);
+    let turn = o[0] * azimuth[0] + o[1] * azimuth[1];
     let density = |energy: T, terms: &[T; FIBRE_HARMONICS]| {
         let (mut sum, mut now, mut before) = (energy, turn, one);
         for term in terms {
@@ -314,7 +386,7 @@ pub fn short_lobes<T: Real>(s: &ShortShading<T>, omega_i: [T; 3]) -> ShortLobes<
         }
         sum
     };
-    let m = |i: usize| longitudinal_with(s.eye[i], light, s.spread[i]);
+    let m = |i: usize| short_longitudinal(s.eye[i], light, s.spread[i]);
     let surface = density(s.energy[0], &s.series[0]).max(zero) * m(0);
     let clear = density(s.energy[1], &s.series[1]);
     let second = m(1);

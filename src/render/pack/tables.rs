@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     anatomy::{Feather, Side},
-    maths::query::{CardVane, Vane},
+    maths::query::{CardVane, Vane, vane_shape},
     maths::scattering::{
         FIBRE_ROW_VEC4S, FIBRE_ROWS, Fibre, FibreTable, KEPT_AZIMUTHS, KEPT_LEVELS,
         SHORT_TABLE_VEC4S, kept_light, mean_caught, mirror_place, sheen_row,
@@ -14,7 +14,7 @@ use crate::{
 };
 
 /// Tables are counted in steps of this many, so that an edit seldom changes the size of the buffer.
-const TABLE_STEP: usize = 8;
+const TABLE_STEP: usize = 4;
 
 /// Fibre tables built before, by what they were built from: building is the expensive part of packing.
 #[derive(Default)]
@@ -75,16 +75,25 @@ pub fn pack_feathers(feathers: &[&Feather], cache: &mut TableCache) -> Vec<u8> {
         .collect()
 }
 
-fn vane_rows(feather: &Feather, side: Side) -> [[f32; 4]; 3] {
+fn vane_rows(feather: &Feather, side: Side) -> [[f32; 4]; 5] {
     let CardVane {
         vane,
         fringe,
         downy,
     } = feather.card_vane::<f32>(side);
+    let shape = vane_shape(&vane);
+    let [distal, proximal] = shape.families;
     [
         [vane.sin_b, vane.cos_b, vane.sin_bl, vane.cos_bl],
         [vane.p_b, vane.d_bl, vane.r_b, vane.r_bd],
-        [vane.r_bp, fringe, downy, 0.0],
+        [vane.r_bp, fringe, downy, shape.kappa],
+        [shape.e_root, shape.per_barb, shape.per_barbule, shape.barb],
+        [
+            distal.radius,
+            proximal.radius,
+            distal.inverse,
+            proximal.inverse,
+        ],
     ]
 }
 

@@ -24,8 +24,8 @@
 #endif
 #ifdef IRIDESCENT
 #import bevy_plumage::feather_iridescence::{
-    ONE_LOOK, Shimmer, shimmer_entering, shimmer_let_in, shimmer_lobe, shimmer_mirror, shimmer_of, shimmer_over_short,
-    shimmer_reflected, shimmer_roughness,
+    ONE_LOOK, Shimmer, shimmer_entering, shimmer_let_in, shimmer_lobe, shimmer_mirror, shimmer_of, shimmer_reflected,
+    shimmer_roughness,
 }
 #endif
 #ifdef SAMPLED_ENVIRONMENT
@@ -128,25 +128,27 @@ fn family_light(seen: light::Fragment, side: vec3<f32>, frame: Frame, tangent: v
 #ifdef PLAIN_FIBRES
 // The fibre of one component from its short table, prepared for the lights.
 fn short_part(index: f32, eye: vec3<f32>, dark_back: f32) -> short::ShortShading {
-    let table = u32(feather_at(0u).w) + u32(index) * short::SHORT_TABLE_LENGTH;
+    // Exact: the buffer has fewer than 2^24 vec4s.
+    let table = u32(feather_at(0u).w + index * f32(short::SHORT_TABLE_LENGTH));
     var head = array<vec4<f32>, 4>();
     for (var i = 0u; i < short::SHORT_HEAD_LENGTH; i++) {
         head[i] = feather_at(table + i);
     }
     let place = fibre_row_at(sqrt(max(1.0 - eye.x * eye.x, 0.0)));
-    let first = table + short::SHORT_HEAD_LENGTH + place.index * short::SHORT_ROW_LENGTH;
+    let first = table + short::SHORT_HEAD_LENGTH + place.index * short::SHORT_STEP_LENGTH;
+    let change = first + short::SHORT_ROW_LENGTH;
     var row = array<vec4<f32>, 9>();
 #ifdef ONLY_MEAN
     // Of every series the four terms.
     for (var i = 0u; i < 6u; i++) {
         let to = select(2u * i - 3u, i, i < 3u);
-        row[to] = mix(feather_at(first + i), feather_at(first + short::SHORT_ROW_LENGTH + i), place.fraction);
+        row[to] = feather_at(first + i) + feather_at(change + i) * place.fraction;
     }
     let fine = false;
 #else
     for (var i = 0u; i < 9u; i++) {
-        let source = first + select(i + 3u, i, i < 3u);
-        row[i] = mix(feather_at(source), feather_at(source + short::SHORT_ROW_LENGTH), place.fraction);
+        let from_row = select(i + 3u, i, i < 3u);
+        row[i] = feather_at(first + from_row) + feather_at(change + from_row) * place.fraction;
     }
     let fine = true;
 #endif
@@ -321,7 +323,6 @@ fn shade(
             let tipward = in_fibre(tangent, frame.hand, vec3(vane_barb, 0.0)).y;
             let shimmer = shimmer_of(base, part, eye, tipward, min(albedo * about.x, vec3(0.98)), in.uv);
             let entering = shimmer_entering(shimmer, shading.energy.x);
-            shading = shimmer_over_short(shading, shimmer);
 #endif
             var lobes = array<short::ShortLobes, BATCH>();
             var reaching = array<FibreReach, BATCH>();
@@ -329,11 +330,12 @@ fn shade(
             var mirrored = array<vec3<f32>, BATCH>();
 #endif
             for (var i = 0u; i < count; i++) {
-                lobes[i] = short::short_lobes(shading, in_fibre(tangent, frame.hand, batch[i].direction));
+                let to_light = in_fibre(tangent, frame.hand, batch[i].direction);
+                lobes[i] = short::short_lobes(shading, to_light);
                 reaching[i] = reach_of(batch[i].reaches, part, shadowing.lower, lobes[i].turn, false);
 #ifdef IRIDESCENT
-                let half_way = in_fibre(tangent, frame.hand, batch[i].direction + frame.local_eye);
-                mirrored[i] = reaching[i].mirror * shimmer_lobe(shimmer, half_way);
+                lobes[i].surface *= 1.0 - shimmer.share;
+                mirrored[i] = reaching[i].mirror * shimmer_lobe(shimmer, to_light + eye);
 #endif
             }
             let before = kept_light(kept, part, 0u);
@@ -344,8 +346,14 @@ fn shade(
                 lit = mix(1.0, clamp(0.5 + 0.5 * shading.azimuth.y, 0.0, 1.0), shading.back.y);
                 kept_second = vec2(before.w, after.w);
             }
-            let surface = shading.energy.x * vec2(before.x, after.x);
+            var outside = shading.energy.x;
+#ifdef IRIDESCENT
+            // Under layers the surface has no other reflection.
+            outside *= 1.0 - shimmer.share;
+#endif
+            let surface = outside * vec2(before.x, after.x);
             let weight = share * base_share;
+            let clear = shading.energy.y * lit;
             // One channel after the other: fewer numbers at a time.
             for (var c = 0u; c < 3u; c++) {
                 let painted = min(albedo[c] * about.x, 0.98);
@@ -354,13 +362,12 @@ fn shade(
                 color.second *= entering[c];
                 color.scattered *= entering[c];
 #endif
-                let second = shading.energy.y * color.second * lit;
+                let second = clear * color.second;
                 let medulla = shading.energy.z * color.scattered;
                 let from_front = second * kept_second.x + medulla * before.w;
                 let from_back = surface.y + second * kept_second.y + medulla * after.w;
-                let scattered = shading.energy.x + second + medulla;
-                let meeting = 1.0 - min((surface.x + from_front + from_back) / max(scattered, 1e-6), 1.0);
-                let again = multiple_scattering(vec3(scattered), vec3(settings.multiple_scattering * meeting)).x;
+                let scattered = outside + second + medulla;
+                let again = short::short_again(scattered, surface.x + from_front + from_back, settings.multiple_scattering);
                 var radiance = 0.0;
                 if (first == 0u) {
                     let everywhere = 0.5 * (around.irradiance[c] + behind.irradiance[c]);

@@ -2,6 +2,7 @@
 #define_import_path bevy_plumage::feather_bindings
 #import bevy_plumage::anatomy::contour_row
 #import bevy_plumage::feather_data as data
+#import bevy_plumage::masking::VaneShape
 
 struct FeatherSettings {
     // Of the chooser, from the error budget.
@@ -35,6 +36,11 @@ fn feather_at(index: u32) -> vec4<f32> {
 fn feather_base(feather: u32) -> u32 {
     let count = u32(feathers[0].x);
     return data::FEATHERS_BASE + min(feather, max(count, 1u) - 1u) * data::FEATHER_STRIDE;
+}
+
+// The vane that begins at `slot`.
+fn shape_at(slot: u32) -> VaneShape {
+    return data::shape_unpack(feather_at(slot), feather_at(slot + 1u), feather_at(slot + 2u), feather_at(slot + 3u), feather_at(slot + 4u));
 }
 
 // (F, F', r_r, 0) at v, linear between samples.

@@ -3,7 +3,7 @@
 #import bevy_pbr::mesh_view_bindings::view
 #import bevy_plumage::{
     anatomy::{barb_cotangent, barb_root, canonical_footprint},
-    feather_bindings::{contour_at, contour_between, feather_at, rachis_at, settings},
+    feather_bindings::{contour_at, contour_between, feather_at, rachis_at, settings, shape_at},
     feather_data as data,
     feather_io::FeatherVertex,
     footprint::{Footprint, mirrored, widened},
@@ -73,8 +73,8 @@ fn cover_side(
     }
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
     let rest = feather_at(slot + 2u);
-    let card = CardVane(data::vane_unpack(feather_at(slot), feather_at(slot + 1u), rest), rest.y, rest.z);
-    let cotangent = barb_cotangent(card.vane.sin_b, card.vane.cos_b);
+    let card = CardVane(shape_at(slot), rest.y, rest.z);
+    let cotangent = barb_cotangent(card.shape.vane.sin_b, card.shape.vane.cos_b);
     let reach = contour_at(base, shape.z, barb_root(footprint.mean, cotangent));
     // The outline may turn within the footprint.
     let last = f32(data::CONTOUR_SAMPLES - 1u);

@@ -1,27 +1,28 @@
 // Layout of the packed feathers (twin of src/render/pack). Offsets and counts are in vec4s.
 #define_import_path bevy_plumage::feather_data
-#import bevy_plumage::masking::Vane
+#import bevy_plumage::masking::{Family, Vane, VaneShape}
 
 // Buffer header: (feather count, first fibre table, fibre table count, first short table).
 const FEATHERS_BASE: u32 = 1u;
 // One feather: header, rachis table, contour table, sheen row, kept light.
-const HEADER_LENGTH: u32 = 42u;
+const HEADER_LENGTH: u32 = 46u;
 const RACHIS_SAMPLES: u32 = 64u;
 const CONTOUR_SAMPLES: u32 = 256u;
 const SHEEN_SAMPLES: u32 = 32u;
 // Levels and azimuths of the eye's direction in the table of kept light.
 const KEPT_LEVELS: u32 = 10u;
 const KEPT_AZIMUTHS: u32 = 8u;
-const FEATHER_STRIDE: u32 = 1674u;
+const FEATHER_STRIDE: u32 = 1678u;
 // Inside the header.
 const SHAPE: u32 = 0u;       // aspect, length in metres, contour start, dark back
-const LEFT_VANE: u32 = 1u;   // 3: sin/cos of barb angle and barbule angle; p_b, d_bl, r_b, r_bd; r_bp, fringe, downy, unused
-const RIGHT_VANE: u32 = 4u;
-const SHEEN: u32 = 7u;       // strength, roughness; place of the thin layers, 0: none
-const FIBRES: u32 = 8u;      // 4 x 7: rachis, barb, distal, proximal
-const PARTS: u32 = 36u;      // 4: factor on the painted color; chance that light meets another fibre, seen from front and back; fibre table
-const CAUGHT: u32 = 40u;     // one over the integral of what the vane catches over the sphere
-const MIRRORS: u32 = 41u;    // azimuthal roughness of barbs, where their mirror lobes leave them; the same of barbules
+const LEFT_VANE: u32 = 1u;   // 5: sin/cos of barb angle and barbule angle; p_b, d_bl, r_b, r_bd; r_bp, fringe, downy, kappa; e_root and one over
+                             // the periods of barbs and barbules; half heights of distal and proximal barbules, one over both
+const RIGHT_VANE: u32 = 6u;
+const SHEEN: u32 = 11u;       // strength, roughness; place of the thin layers, 0: none
+const FIBRES: u32 = 12u;     // 4 x 7: rachis, barb, distal, proximal
+const PARTS: u32 = 40u;      // 4: factor on the painted color; chance that light meets another fibre, seen from front and back; fibre table
+const CAUGHT: u32 = 44u;     // one over the integral of what the vane catches over the sphere
+const MIRRORS: u32 = 45u;    // azimuthal roughness of barbs, where their mirror lobes leave them; the same of barbules
 // After the header. Kept light: seen from front and back; of each of the four; from the eye's side and the other; level; azimuth.
 const KEPT: u32 = HEADER_LENGTH + RACHIS_SAMPLES + CONTOUR_SAMPLES + SHEEN_SAMPLES;
 
@@ -102,7 +103,23 @@ fn card_decode(a: vec4<u32>, b: vec4<u32>, c: vec4<u32>, d: vec4<u32>, e: vec4<u
     return card;
 }
 
-// The three vec4s of a vane.
+// The first three vec4s of a vane.
 fn vane_unpack(angles: vec4<f32>, sizes: vec4<f32>, rest: vec4<f32>) -> Vane {
     return Vane(sizes.x, sizes.y, angles.y, angles.x, angles.w, angles.z, sizes.z, sizes.w, rest.x, 1.0);
+}
+
+// All five of them.
+fn shape_unpack(angles: vec4<f32>, sizes: vec4<f32>, rest: vec4<f32>, periods: vec4<f32>, heights: vec4<f32>) -> VaneShape {
+    let ratios = heights.xy * periods.z;
+    return VaneShape(
+        vane_unpack(angles, sizes, rest),
+        periods.y,
+        periods.z,
+        periods.w,
+        Family(heights.x, heights.z, ratios.x),
+        Family(heights.y, heights.w, ratios.y),
+        0.5 * (heights.x + heights.y),
+        rest.w,
+        periods.x,
+    );
 }

@@ -8,7 +8,6 @@
         scale_mix, scale_place, seen_mix, seen_place, stack_row, stack_step,
     },
     scattering::FibreShading,
-    scattering_short::ShortShading,
 }
 
 // Barbules of either family; rachis and barbs have no layers.
@@ -35,7 +34,7 @@ struct Shimmer {
     share: f32,
     // Where the row's texels begin, how many there are, and how far the thickness lies towards the next row.
     table: u32,
-    texels: u32,
+    columns: f32,
     row: f32,
     facets: Facets,
     // Sine and cosine.
@@ -45,13 +44,17 @@ struct Shimmer {
     energy: vec3<f32>,
 }
 
-// Color at a cosine of incidence, and what bare keratin reflects. Behind the last row lies something else, of which nothing is taken.
+// Color at a cosine of incidence, and what bare keratin reflects.
 fn shimmer_look(s: Shimmer, cosine: f32) -> vec4<f32> {
-    let place = stack_step(cosine, s.texels);
-    let at = s.table + place.index;
-    let low = mix(feather_at(at), feather_at(at + 1u), place.fraction);
-    let high = mix(feather_at(at + s.texels), feather_at(at + s.texels + 1u), place.fraction);
-    let look = mix(low, high, s.row);
+    let place = stack_step(cosine, s.columns);
+    var at = s.table + place.index;
+    var look = vec4(0.0);
+    var weight = 1.0 - s.row;
+    for (var i = 0u; i < select(1u, 2u, s.row > 0.0); i++) {
+        look += weight * mix(feather_at(at), feather_at(at + 1u), place.fraction);
+        weight = s.row;
+        at += u32(s.columns);
+    }
     return vec4(in_gamut(look.rgb), look.w);
 }
 
@@ -62,7 +65,7 @@ fn shimmer_seen(at: u32, fraction: vec2<f32>) -> vec4<f32> {
 
 // Factor on the thickness of the layers at a point of the card.
 fn shimmer_scale(map: vec4<f32>, uv: vec2<f32>) -> f32 {
-    let place = scale_place(vec2<u32>(map.yz), uv);
+    let place = scale_place(map.yz, uv);
     return scale_mix(feather_at(u32(map.x) + place.index), place.fraction);
 }
 
@@ -80,22 +83,25 @@ fn shimmer_of(base: u32, part: u32, eye: vec3<f32>, tipward: f32, albedo: vec3<f
     let turn = feather_at(at + data::STACK_TURN);
     let rows = feather_at(at + data::STACK_ROWS);
     let map = feather_at(at + data::STACK_MAP);
-    s.texels = u32(side.w);
+    s.columns = side.w;
     s.table = at + data::STACK_SEEN + u32(rows.z) * SEEN_TEXELS;
     var seen_at = at + data::STACK_SEEN;
     if (rows.z > 1.0) {
-        let row = stack_row(shimmer_scale(map, uv), rows.x, rows.y, u32(rows.z));
+        let row = stack_row(shimmer_scale(map, uv), rows.x, rows.y, rows.z);
         seen_at += row.index * SEEN_TEXELS;
-        s.table += row.index * s.texels;
+        s.table += row.index * u32(s.columns);
         s.row = row.fraction;
     }
     s.facets = Facets(side.x, side.y, side.z);
     s.rise = turn.xy;
     s.lean = vec2(select(-turn.z, turn.z, tipward >= 0.0), turn.w);
     let place = seen_place(s.facets, vec2(rows.w, map.w), facet_turn(eye, s.rise, s.lean));
-    var texel = shimmer_seen(seen_at + place.index, place.fraction);
-    if (s.row > 0.0) {
-        texel = mix(texel, shimmer_seen(seen_at + SEEN_TEXELS + place.index, place.fraction), s.row);
+    // In a loop, or the shader holds the mean twice.
+    var texel = vec4(0.0);
+    var weight = 1.0 - s.row;
+    for (var i = 0u; i < select(1u, 2u, s.row > 0.0); i++) {
+        texel += weight * shimmer_seen(seen_at + i * SEEN_TEXELS + place.index, place.fraction);
+        weight = s.row;
     }
     let seen = facet_seen(texel, place);
     s.area = seen.area;
@@ -124,16 +130,6 @@ fn shimmer_let_in(shading: FibreShading, shimmer: Shimmer) -> FibreShading {
     return s;
 }
 
-// The surface below the layers of the short form of a fibre; the factors of shimmer_entering are on its colors.
-fn shimmer_over_short(shading: ShortShading, shimmer: Shimmer) -> ShortShading {
-    var s = shading;
-    let rest = 1.0 - shimmer.share;
-    s.energy.x *= rest;
-    s.surface[0] *= rest;
-    s.surface[1] *= rest;
-    return s;
-}
-
 // K of the layers; `sum`: of the directions to the eye and to the light, in the fibre's frame.
 fn shimmer_lobe(shimmer: Shimmer, sum: vec3<f32>) -> vec3<f32> {
     if (shimmer.share <= 0.0) {
@@ -147,7 +143,7 @@ fn shimmer_lobe(shimmer: Shimmer, sum: vec3<f32>) -> vec3<f32> {
 // Perceptual roughness of a prefiltered map as wide as the lobe: half of the light of an ellipse lies within atan(0.58 a) on either
 // side.
 fn shimmer_roughness(flatness: f32, slope: f32) -> f32 {
-    return min(sqrt(length(vec2(0.58 * flatness, slope))), 1.0);
+    return min(sqrt(sqrt(0.3364 * flatness * flatness + slope * slope)), 1.0);
 }
 
 // Where the middle of a family's side mirrors the eye; both in the fibre's frame.
@@ -170,6 +166,6 @@ fn shimmer_mirror(base: u32, barb: vec2<f32>, angles: vec4<f32>) -> vec4<f32> {
     let turn = feather_at(at + data::STACK_TURN);
     // Both families lean to the tip of the barb and rise along themselves; what they do across it cancels.
     let lean = turn.z * angles.z - turn.x * turn.w * angles.w;
-    let normal = normalize(vec3(lean * barb, turn.y * turn.w));
-    return vec4(normal, shimmer_roughness(side.x, side.y));
+    let up = turn.y * turn.w;
+    return vec4(vec3(lean * barb, up) * inverseSqrt(lean * lean + up * up), shimmer_roughness(side.x, side.y));
 }

@@ -9,8 +9,10 @@
     mesh_view_bindings as vb,
     mesh_view_types,
     pbr_functions,
+    shadow_sampling::{SPOT_SHADOW_TEXEL_SIZE, sample_shadow_map, sample_shadow_map_pcss},
     shadows,
 }
+#import bevy_render::maths::orthonormalize
 #import bevy_plumage::feather_view as around
 #ifdef TONEMAP_IN_SHADER
 #import bevy_core_pipeline::tonemapping::tone_mapping
@@ -59,24 +61,43 @@ fn lit_side(f: Fragment, direction: vec3<f32>) -> vec3<f32> {
     return select(-f.normal, f.normal, dot(f.normal, direction) >= 0.0);
 }
 
-fn directional_count() -> u32 { return vb::lights.n_directional_lights; }
-
-fn directional_light(f: Fragment, index: u32) -> Light {
-    let source = &vb::lights.directional_lights[index];
-    var light: Light;
-    light.direction = (*source).direction_to_light;
-    var shadow = 1.0;
-    if (f.receives_shadow && ((*source).flags & mesh_view_types::DIRECTIONAL_LIGHT_FLAGS_SHADOWS_ENABLED_BIT) != 0u) {
-        shadow = shadows::fetch_directional_shadow(index, f.position, lit_side(f, light.direction), f.view_z, f.frag_coord.xy);
-    }
-    let near = f.receives_shadow && ((*source).flags & mesh_view_types::DIRECTIONAL_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT) != 0u;
-    shadow *= around::contact_shadow(f.position.xyz, f.frag_coord.xy, light.direction, near && shadow > 0.0);
-    light.color = (*source).color.rgb * shadow
-        * around::atmosphere_transmittance(f.position.xyz, light.direction, (*source).sun_disk_angular_size);
-    return light;
+// What a light does to a fragment, all but the shadow maps that directional and spot lights look into: one filter serves both.
+struct Source {
+    light: Light,
+    // To shade by contact.
+    near: bool,
+    // The map of the fragment's cascade or of the spot light, how many there are to look into, and the share of the second.
+    first: u32,
+    maps: u32,
+    share: f32,
 }
 
-// First point light, first spot light, end: indices for clustered_light.
+fn directional_count() -> u32 { return vb::lights.n_directional_lights; }
+
+fn directional_source(f: Fragment, index: u32) -> Source {
+    let source = &vb::lights.directional_lights[index];
+    let direction = (*source).direction_to_light;
+    let seen = around::atmosphere_transmittance(f.position.xyz, direction, (*source).sun_disk_angular_size);
+    let near = f.receives_shadow && ((*source).flags & mesh_view_types::DIRECTIONAL_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT) != 0u;
+    var found = Source(Light(direction, (*source).color.rgb * seen), near, 0u, 0u, 0.0);
+    if (f.receives_shadow && ((*source).flags & mesh_view_types::DIRECTIONAL_LIGHT_FLAGS_SHADOWS_ENABLED_BIT) != 0u) {
+        found.first = shadows::get_cascade_index(index, f.view_z);
+        found.maps = min((*source).num_cascades - found.first, 1u);
+        if (found.first + 1u < (*source).num_cascades) {
+            // Where cascades overlap, both.
+            let bound = (*source).cascades[found.first].far_bound;
+            let overlap = (*source).cascades_overlap_proportion * bound;
+            let beyond = -f.view_z - (bound - overlap);
+            if (beyond >= 0.0) {
+                found.maps = 2u;
+                found.share = beyond / overlap;
+            }
+        }
+    }
+    return found;
+}
+
+// First point light, first spot light, end: indices for clustered_source.
 fn clustered_range(f: Fragment) -> vec3<u32> {
     let cluster = clustered_forward::view_fragment_cluster_index(f.frag_coord.xy, f.view_z, is_orthographic());
     let ranges = clustered_forward::unpack_clusterable_object_index_ranges(cluster);
@@ -87,33 +108,89 @@ fn clustered_range(f: Fragment) -> vec3<u32> {
     );
 }
 
-fn clustered_light(f: Fragment, index: u32, is_spot: bool) -> Light {
+// Along a spot light.
+fn spot_axis(id: u32) -> vec3<f32> {
+    let source = &vb::clustered_lights.data[id];
+    let flat = (*source).light_custom_data.xy;
+    let y = sqrt(max(0.0, 1.0 - dot(flat, flat)));
+    let down = ((*source).flags & mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_Y_NEGATIVE) != 0u;
+    return vec3(flat.x, select(y, -y, down), flat.y);
+}
+
+fn clustered_source(f: Fragment, index: u32, is_spot: bool) -> Source {
     let id = clustered_forward::get_clusterable_object_id(index);
     let source = &vb::clustered_lights.data[id];
     let offset = (*source).position_radius.xyz - f.position.xyz;
     let distance_square = max(dot(offset, offset), 1e-8);
-    var light: Light;
-    light.direction = offset * inverseSqrt(distance_square);
+    let direction = offset * inverseSqrt(distance_square);
     var attenuation = lighting::getDistanceAttenuation(distance_square, (*source).color_inverse_square_range.w);
     let shadowed = f.receives_shadow && ((*source).flags & mesh_view_types::POINT_LIGHT_FLAGS_SHADOWS_ENABLED_BIT) != 0u;
     if (is_spot) {
-        var axis = vec3((*source).light_custom_data.x, 0.0, (*source).light_custom_data.y);
-        axis.y = sqrt(max(0.0, 1.0 - dot(axis.xz, axis.xz)));
-        if (((*source).flags & mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_Y_NEGATIVE) != 0u) {
-            axis.y = -axis.y;
-        }
-        let cone = saturate(dot(-axis, light.direction) * (*source).light_custom_data.z + (*source).light_custom_data.w);
+        let cone = saturate(dot(-spot_axis(id), direction) * (*source).light_custom_data.z + (*source).light_custom_data.w);
         attenuation *= cone * cone;
-        if (shadowed) {
-            attenuation *= shadows::fetch_spot_shadow(id, f.position, lit_side(f, light.direction), (*source).shadow_map_near_z, f.frag_coord.xy);
-        }
     } else if (shadowed) {
-        attenuation *= shadows::fetch_point_shadow(id, f.position, lit_side(f, light.direction), f.frag_coord.xy);
+        attenuation *= shadows::fetch_point_shadow(id, f.position, lit_side(f, direction), f.frag_coord.xy);
     }
     let near = f.receives_shadow && ((*source).flags & mesh_view_types::POINT_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT) != 0u;
-    attenuation *= around::contact_shadow(f.position.xyz, f.frag_coord.xy, light.direction, near && attenuation > 0.0);
-    light.color = (*source).color_inverse_square_range.rgb * attenuation;
-    return light;
+    let light = Light(direction, (*source).color_inverse_square_range.rgb * attenuation);
+    return Source(light, near && attenuation > 0.0, id, select(0u, 1u, is_spot && shadowed), 0.0);
+}
+
+// Where a light looks into a map: place and depth, layer, size of a texel, size of the light.
+struct MapPlace {
+    uv: vec2<f32>,
+    depth: f32,
+    layer: i32,
+    texel: f32,
+    softness: f32,
+    // Within the map.
+    inside: bool,
+}
+
+fn cascade_place(f: Fragment, index: u32, cascade: u32, normal: vec3<f32>) -> MapPlace {
+    let source = &vb::lights.directional_lights[index];
+    let texel = (*source).cascades[cascade].texel_size;
+    let offset = normal * ((*source).shadow_normal_bias * texel) + (*source).direction_to_light * (*source).shadow_depth_bias;
+    let there = shadows::world_to_directional_light_local(index, cascade, vec4(f.position.xyz + offset, f.position.w));
+    let layer = i32((*source).depth_texture_base_index + cascade);
+    return MapPlace(there.xy, there.z, layer, texel, (*source).soft_shadow_size, there.w != 0.0);
+}
+
+// As Bevy's fetch_spot_shadow.
+fn spot_place(f: Fragment, id: u32, direction: vec3<f32>, normal: vec3<f32>) -> MapPlace {
+    let source = &vb::clustered_lights.data[id];
+    let offset = (*source).position_radius.xyz - f.position.xyz;
+    let back = -spot_axis(id);
+    let moved = direction * (*source).shadow_depth_bias + normal * ((*source).shadow_normal_bias * dot(back, offset)) - offset;
+    let there = moved * orthonormalize(back);
+    let uv = there.xy * vec2(-0.5, 0.5) / ((*source).spot_light_tan_angle * there.z) + 0.5;
+    let layer = i32(id) + vb::lights.spot_light_shadowmap_offset;
+    return MapPlace(uv, -(*source).shadow_map_near_z / there.z, layer, SPOT_SHADOW_TEXEL_SIZE, (*source).soft_shadow_size, true);
+}
+
+// Share of a light that the maps of a source let through.
+fn map_shadow(f: Fragment, source: Source, directional: bool, index: u32) -> f32 {
+    let normal = lit_side(f, source.light.direction);
+    var open = 1.0;
+    // In a loop, or the shader holds the filter for every map.
+    for (var i = 0u; i < source.maps; i++) {
+        var place: MapPlace;
+        if (directional) {
+            place = cascade_place(f, index, source.first + i, normal);
+        } else {
+            place = spot_place(f, source.first, source.light.direction, normal);
+        }
+        var here = 1.0;
+        if (place.inside) {
+            if (place.softness > 0.0) {
+                here = sample_shadow_map_pcss(place.uv, place.depth, place.layer, f.frag_coord.xy, place.texel, place.softness);
+            } else {
+                here = sample_shadow_map(place.uv, place.depth, place.layer, f.frag_coord.xy, place.texel);
+            }
+        }
+        open = mix(open, here, select(source.share, 1.0, i == 0u));
+    }
+    return open;
 }
 
 // Lights of every kind under one index.
@@ -136,15 +213,22 @@ fn lights_of(f: Fragment) -> Lights {
 }
 
 fn light_at(f: Fragment, lights: Lights, index: u32) -> Light {
-    if (index < lights.directional) {
-        return directional_light(f, index);
-    }
     if (index >= lights.single) {
         let found = around::rect_sample(f.position.xyz, index - lights.single);
         return Light(found.direction, found.irradiance);
     }
-    let at = lights.clustered.x + index - lights.directional;
-    return clustered_light(f, at, at >= lights.clustered.y);
+    let directional = index < lights.directional;
+    var source = Source();
+    if (directional) {
+        source = directional_source(f, index);
+    } else {
+        let at = lights.clustered.x + index - lights.directional;
+        source = clustered_source(f, at, at >= lights.clustered.y);
+    }
+    let direction = source.light.direction;
+    let open = map_shadow(f, source, directional, index);
+    let close = around::contact_shadow(f.position.xyz, f.frag_coord.xy, direction, source.near && open > 0.0);
+    return Light(direction, source.light.color * (open * close));
 }
 
 // Prefiltered environment: irradiance over pi for `normal`, radiance around `direction` blurred by `roughness`.

@@ -8,14 +8,14 @@
 #endif
 #import bevy_plumage::{
     anatomy::{barb_cotangent, barb_root, barbule_factor, canonical_footprint, contour_coverage, hooked, vane_start_coverage},
-    feather_bindings::{contour_at, feather_at, feather_base, rachis_at},
+    feather_bindings::{contour_at, feather_at, feather_base, rachis_at, shape_at},
     feather_cover::{cover, frame_of},
     feather_data as data,
     feather_io::{CardVertex, FeatherVertex, class_of},
     feather_opacity::leaves_hole,
     feather_pattern::pattern_threshold,
     feather_place::{is_light, place},
-    masking::mask_vane,
+    masking::{barb_strip, seen_cell, storeys},
     query_far::mean_coverage,
 }
 #ifdef SAMPLE_COVERAGE
@@ -56,13 +56,14 @@ fn shadow_opacity(in: FeatherVertex, base: u32, shape: vec4<f32>) -> f32 {
     let right = footprint.mean.x > 0.0;
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
     let last = feather_at(slot + 2u);
-    let vane = data::vane_unpack(feather_at(slot), feather_at(slot + 1u), last);
-    let cotangent = barb_cotangent(vane.sin_b, vane.cos_b);
+    let vane = shape_at(slot);
+    let cotangent = barb_cotangent(vane.vane.sin_b, vane.vane.cos_b);
     let contour = contour_at(base, shape.z, barb_root(footprint.mean, cotangent));
     let reach = select(contour.xz, contour.yw, right);
     // The light sees the vane at its own angle.
     let light = frame_of(in).local_eye * vec3(select(1.0, -1.0, right), 1.0, 1.0);
-    let covered = mean_coverage(mask_vane(vane, light));
+    let seen = storeys(vane, light);
+    let covered = mean_coverage(seen_cell(vane, seen, barb_strip(vane, seen), light.z >= 0.0));
     let hook = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
     return contour_coverage(footprint, reach.x, reach.y, cotangent)
         * vane_start_coverage(footprint, shape.z, cotangent)

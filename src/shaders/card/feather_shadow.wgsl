@@ -1,7 +1,7 @@
 // Shadows between the fibres of a fragment, and what its fibres keep of light from all around.
 #define_import_path bevy_plumage::feather_shadow
 #import bevy_plumage::{
-    feather_bindings::feather_at,
+    feather_bindings::{feather_at, shape_at},
     feather_cover::{Covered, Frame},
     feather_data as data,
     scattering::FibreReach,
@@ -42,17 +42,17 @@ struct KeptPlace {
 // along: the fragment's place on the rachis, 0..1.
 fn shadowing_of(base: u32, along: f32, covered: Covered, frame: Frame) -> Shadowing {
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, covered.right);
-    var vane = data::vane_unpack(feather_at(slot), feather_at(slot + 1u), feather_at(slot + 2u));
-    vane.hooked = covered.hook;
+    var shape = shape_at(slot);
+    shape.vane.hooked = covered.hook;
     var result = Shadowing();
     // Below the vanes nothing lies beside the shaft.
     result.beside = smoothstep(-0.01, 0.01, along - feather_at(base + data::SHAPE).z);
     result.mirror = vec3(select(1.0, -1.0, covered.right), 1.0, 1.0);
     let mirrors = feather_at(base + data::MIRRORS);
     let eye = frame.local_eye * result.mirror;
-    result.eye = vane_eye(vane, eye, MirrorPlace(mirrors.x, mirrors.y), MirrorPlace(mirrors.z, mirrors.w));
+    result.eye = vane_eye(shape, eye, MirrorPlace(mirrors.x, mirrors.y), MirrorPlace(mirrors.z, mirrors.w));
     result.open = covered.open;
-    let frequency = grating_frequency(vane, result.eye.distal_above) / PLACE_FREQUENCY;
+    let frequency = grating_frequency(shape.vane, result.eye.distal_above) / PLACE_FREQUENCY;
     result.frequency = frequency * frequency;
     result.lower = select(2u, 3u, result.eye.distal_above);
     result.caught = feather_at(base + data::CAUGHT).x;

@@ -1,5 +1,5 @@
 #define_import_path bevy_plumage::anatomy
-#import bevy_plumage::math::{normal_distribution, smooth_step}
+#import bevy_plumage::math::{normal_distribution, normal_share, smooth_step}
 #import bevy_plumage::footprint::{Footprint}
 
 // The UV rectangle of a feather, its canonical space and its outline. Twin of src/maths/card.rs.
@@ -55,15 +55,15 @@ fn vane_start_coverage(footprint: Footprint, start: f32, cotangent: f32) -> f32 
     let mean = footprint.mean;
     let side = select(1.0, -1.0, mean.x < 0.0);
     let deviation = footprint_deviation(-cotangent * side, 1.0, footprint.covariance);
-    return normal_distribution((barb_root(mean, cotangent) - start) / deviation);
+    return normal_share((barb_root(mean, cotangent) - start) / deviation);
 }
 
 // How far the barbules hook into a closed vane, 0..1; x_distance is |x|, height is y.
 fn hooked(x_distance: f32, height: f32, reach: f32, fringe: f32, downy: f32) -> f32 {
     let share = x_distance / max(reach, 1e-5);
     let edge = 1.0 - fringe;
-    let rim = select(1.0, 1.0 - smooth_step(edge - 0.1, edge + 0.1, share), fringe > 0.0);
-    let down = select(1.0, smooth_step(downy - 0.1, downy + 0.1, height), downy > 0.0);
+    let rim = select(1.0, 1.0 - smooth_step(-0.1, 0.1, share - edge), fringe > 0.0);
+    let down = select(1.0, smooth_step(-0.1, 0.1, height - downy), downy > 0.0);
     return rim * down;
 }
 

@@ -46,22 +46,22 @@ struct ScalePlace {
 }
 
 // `place` 0..1 among `count` values in even steps.
-fn stack_step(place: f32, count: u32) -> StackPlace {
-    let at = clamp(place, 0.0, 1.0) * f32(count - 1u);
-    let low = min(u32(at), max(count, 2u) - 2u);
-    return StackPlace(low, at - f32(low));
+fn stack_step(place: f32, count: f32) -> StackPlace {
+    let at = clamp(place, 0.0, 1.0) * (count - 1.0);
+    let low = min(floor(at), max(count - 2.0, 0.0));
+    return StackPlace(u32(low), at - low);
 }
 
 // Row of a table for a factor on the thickness; `per_octave`: rows that a factor of 2 makes, `low`: binary logarithm of the first's.
-fn stack_row(scale: f32, per_octave: f32, low: f32, rows: u32) -> StackPlace {
-    return stack_step((log2(scale) - low) * per_octave / f32(max(rows, 2u) - 1u), rows);
+fn stack_row(scale: f32, per_octave: f32, low: f32, rows: f32) -> StackPlace {
+    return stack_step((log2(scale) - low) * per_octave / max(rows - 1.0, 1.0), rows);
 }
 
 // Of the four factors around a point of the card the first, row after row of one less than `size`, and how far it lies from it.
-fn scale_place(size: vec2<u32>, uv: vec2<f32>) -> ScalePlace {
+fn scale_place(size: vec2<f32>, uv: vec2<f32>) -> ScalePlace {
     let column = stack_step(uv.x, size.x);
     let row = stack_step(uv.y, size.y);
-    return ScalePlace(row.index * max(size.x - 1u, 1u) + column.index, vec2<f32>(column.fraction, row.fraction));
+    return ScalePlace(row.index * u32(max(size.x - 1.0, 1.0)) + column.index, vec2<f32>(column.fraction, row.fraction));
 }
 
 fn scale_mix(quad: vec4<f32>, fraction: vec2<f32>) -> f32 {
@@ -88,12 +88,15 @@ fn facet_turn(omega: vec3<f32>, rise: vec2<f32>, lean: vec2<f32>) -> vec3<f32> {
 
 // Density of the facets' normals per steradian.
 fn facet_density(facets: Facets, normal: vec3<f32>) -> f32 {
-    let across = max(dot(normal.yz, normal.yz), 1e-12);
+    let per_across = inverseSqrt(max(dot(normal.yz, normal.yz), 1e-12));
+    let azimuth = normal.yz * per_across;
     let a2 = facets.flatness * facets.flatness;
-    let hit = clamp((normal.y * normal.y + a2 * normal.z * normal.z) / across, a2, 1.0);
-    let t = (0.5 * SCATTERING_PI - fibre_acos(normal.x)) / facets.slope;
-    let slope = exp(-0.5 * t * t) / (facets.slope * 2.5066282746);
-    return 0.5 * a2 / (hit * sqrt(hit)) * slope * inverseSqrt(across);
+    let hit = clamp(azimuth.x * azimuth.x + a2 * azimuth.y * azimuth.y, a2, 1.0);
+    let per_slope = 1.0 / facets.slope;
+    let t = (0.5 * SCATTERING_PI - fibre_acos(normal.x)) * per_slope;
+    let per_hit = inverseSqrt(hit);
+    // 1/(2 sqrt(2 pi)).
+    return 0.1994711402 * a2 * per_slope * exp(-0.5 * t * t) * (per_hit * per_hit * per_hit) * per_across;
 }
 
 // How much of the stack facets have of whose light the share `outer` comes from the outer side.
@@ -112,14 +115,15 @@ fn facet_color(look: vec4<f32>, share: f32) -> vec3<f32> {
 }
 
 fn facet_azimuth(omega: vec3<f32>) -> vec2<f32> {
-    let across = length(omega.yz);
-    return select(vec2<f32>(0.0, 1.0), omega.yz / max(across, 1e-6), across > 1e-6);
+    let square = dot(omega.yz, omega.yz);
+    return select(vec2<f32>(0.0, 1.0), omega.yz * inverseSqrt(square), square > 1e-12);
 }
 
 fn facet_view(facets: Facets, omega_o: vec3<f32>) -> FacetView {
     let o = facet_azimuth(omega_o) * vec2<f32>(facets.flatness, 1.0);
-    let width = max(length(o), 1e-6);
-    return FacetView(o / width, width);
+    let square = max(dot(o, o), 1e-12);
+    let per = inverseSqrt(square);
+    return FacetView(o * per, square * per);
 }
 
 // Area of the facets in the eye's projection, nearly; `constants` of the side (facet_constants in Rust).
@@ -132,10 +136,10 @@ fn facet_area(constants: vec2<f32>, width: f32, across: f32, along: f32) -> f32 
 fn seen_place(facets: Facets, constants: vec2<f32>, omega_o: vec3<f32>) -> SeenPlace {
     let view = facet_view(facets, omega_o);
     let along = min(abs(omega_o.x), 1.0);
-    let across = sqrt(max(1.0 - along * along, 0.0));
+    let across = sqrt(dot(omega_o.yz, omega_o.yz));
     let share = (view.width - facets.flatness) / max(1.0 - facets.flatness, 1e-3);
-    let column = stack_step(sqrt(clamp(share, 0.0, 1.0)), SEEN_STEPS);
-    let level = stack_step(sqrt(max(fibre_acos(along) * (2.0 / SCATTERING_PI), 0.0)), SEEN_STEPS);
+    let column = stack_step(sqrt(clamp(share, 0.0, 1.0)), f32(SEEN_STEPS));
+    let level = stack_step(sqrt(fibre_acos(along) * (2.0 / SCATTERING_PI)), f32(SEEN_STEPS));
     return SeenPlace(
         level.index * SEEN_STEPS + column.index,
         vec2<f32>(column.fraction, level.fraction),
@@ -165,8 +169,9 @@ fn facet_normal(facets: Facets, view: FacetView, sine: f32, cosine: f32) -> vec2
 
 // Normal of the facets that mirror the light into the eye, and the cosine of incidence on them; `sum`: of both directions.
 fn facet_half_way(sum: vec3<f32>) -> vec4<f32> {
-    let size = length(sum);
-    return vec4<f32>(sum / max(size, 1e-6), 0.5 * size);
+    let square = dot(sum, sum);
+    let per = inverseSqrt(max(square, 1e-12));
+    return vec4<f32>(sum * per, 0.5 * square * per);
 }
 
 // K over the color of the facets, given what `facet_half_way` finds and the sum of the nodes' areas.

@@ -60,6 +60,8 @@ struct VaneShape {
     distal: Family,
     proximal: Family,
     lift: f32,
+    kappa: f32,
+    e_root: f32,
 }
 
 // A family of barbules as one direction sees it: see the Rust struct of the same name.
@@ -82,7 +84,10 @@ fn vane_shape(vane: Vane) -> VaneShape {
     let distal = family_of(vane.r_bd, period, per_barbule);
     let proximal = family_of(vane.r_bp, period, per_barbule);
     let lift = 0.5 * (distal.radius + proximal.radius);
-    return VaneShape(vane, 1.0 / vane.p_b, per_barbule, min(vane.r_b, vane.p_b), distal, proximal, lift);
+    let ratio = vane.p_b / vane.d_bl;
+    let kappa = max(vane.cos_bl / vane.sin_bl * ratio, 0.01);
+    let e_root = wrap(vane.cos_b / vane.sin_b * ratio);
+    return VaneShape(vane, 1.0 / vane.p_b, per_barbule, min(vane.r_b, vane.p_b), distal, proximal, lift, kappa, e_root);
 }
 
 fn storey(family: Family, hooked: f32, slope: f32) -> Storey {
@@ -93,7 +98,7 @@ fn storey(family: Family, hooked: f32, slope: f32) -> Storey {
 // Share of light that a storey keeps off a point of the flank, `height` above the axes in radii.
 fn storey_blocks(s: Storey, height: f32, hooked: f32) -> f32 {
     let h = clamp(height, -1.0, 1.0);
-    let over = hooked * sqrt(max(1.0 - h * h, 0.0)) + s.root - abs(s.slope) * h;
+    let over = hooked * sqrt(1.0 - h * h) + s.root - abs(s.slope) * h;
     return select(min(min(s.family.ratio * over, s.wide), 1.0), 0.0, height >= 1.0);
 }
 
@@ -107,6 +112,7 @@ fn storey_on_flank(s: Storey, hooked: f32) -> f32 {
 struct Storeys {
     slope: f32,
     root: f32,
+    per_root: f32,
     silhouette: f32,
     first: Storey,
     second: Storey,
@@ -122,11 +128,13 @@ fn storeys(shape: VaneShape, direction: vec3<f32>) -> Storeys {
     let across = t * vane.sin_bl;
     let distal = storey(shape.distal, vane.hooked, along - across);
     let proximal = storey(shape.proximal, vane.hooked, along + across);
-    let root = sqrt(1.0 + slope * slope);
+    let square = 1.0 + slope * slope;
+    let per_root = inverseSqrt(square);
+    let root = square * per_root;
     if direction.z >= 0.0 {
-        return Storeys(slope, root, shape.barb * root, distal, proximal);
+        return Storeys(slope, root, per_root, shape.barb * root, distal, proximal);
     }
-    return Storeys(slope, root, shape.barb * root, proximal, distal);
+    return Storeys(slope, root, per_root, shape.barb * root, proximal, distal);
 }
 
 // What barbules hide of the silhouettes of the barbs at which they end: the storey met first, and the other one.
@@ -176,7 +184,6 @@ fn mask_vane(vane: Vane, view: vec3<f32>) -> Cell {
 
 // The same of what a direction sees; `strip` of barb_strip, `front`: the eye sees the front face.
 fn seen_cell(shape: VaneShape, seen: Storeys, strip: vec3<f32>, front: bool) -> Cell {
-    let vane = shape.vane;
     // The strip reaches half a silhouette away from the viewer; where it does not reach back to the axis, it is moved there.
     let width = strip.x * shape.per_barb;
     let far = min(min(seen.silhouette * shape.per_barb, 1.0), width);
@@ -185,12 +192,9 @@ fn seen_cell(shape: VaneShape, seen: Storeys, strip: vec3<f32>, front: bool) -> 
     let half_widths = 0.5 * strip.yz;
     let upper = wrap(shape.lift * seen.first.slope * shape.per_barbule);
     let lower = wrap(shape.lift * seen.second.slope * shape.per_barbule);
-    let ratio = vane.p_b / vane.d_bl;
-    let kappa = max(vane.cos_bl / vane.sin_bl * ratio, 0.01);
-    let e_root = wrap(vane.cos_b / vane.sin_b * ratio);
     if front {
-        return Cell(kappa, e_root, v_low, v_high, half_widths.x, half_widths.y, upper, lower, 1.0);
+        return Cell(shape.kappa, shape.e_root, v_low, v_high, half_widths.x, half_widths.y, upper, lower, 1.0);
     }
     // From the back proximal lies over distal: the same pattern, u reversed and the families exchanged.
-    return Cell(kappa, -e_root, 1.0 - v_high, 1.0 - v_low, half_widths.x, half_widths.y, -upper, -lower, -1.0);
+    return Cell(shape.kappa, -shape.e_root, 1.0 - v_high, 1.0 - v_low, half_widths.x, half_widths.y, -upper, -lower, -1.0);
 }

@@ -66,6 +66,13 @@ fn normal_distribution(z: f32) -> f32 {
     return 0.5 + 0.5 * error_function(z * 0.70710678);
 }
 
+// The same within 2e-5, for shares of a footprint.
+fn normal_share(z: f32) -> f32 {
+    let x = clamp(z, -8.0, 8.0);
+    let s = x * x;
+    return 1.0 / (1.0 + exp2(x * (-2.30172713 + s * (-0.106177326 + s * 0.000911244969))));
+}
+
 // Prepares a variance (period squared, > 0) for `staircase`.
 fn width(variance: f32) -> Width {
     if variance < 0.0145 {
@@ -122,8 +129,7 @@ fn staircase_derivatives(x: f32, w: Width) -> vec3<f32> {
 fn corners(x: f32, h_d: f32, h_p: f32) -> vec4<f32> {
     let e = h_d - h_p;
     let g = h_d + h_p;
-    let y = vec4(x + e, x - e, x + g, x - g);
-    return y - floor(y);
+    return fract(vec4(x + e, x - e, x + g, x - g));
 }
 
 // Sum over the corners with the signs + + - -.
@@ -139,8 +145,8 @@ fn overlap(x: f32, h_d: f32, h_p: f32) -> f32 {
 
 // Zero-mean integral of `overlap` minus its mean.
 fn overlap_integral(x: f32, h_d: f32, h_p: f32) -> f32 {
-    let y = corners(x, h_d, h_p);
-    return (1.0 / 6.0) * corner_sum(y * (y - 0.5) * (y - 1.0));
+    let y = corners(x, h_d, h_p) - 0.5;
+    return (1.0 / 6.0) * corner_sum(y * (y * y - 0.25));
 }
 
 // Zero-mean integral of `overlap_integral`.

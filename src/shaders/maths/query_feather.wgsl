@@ -5,7 +5,7 @@
 #import bevy_plumage::anatomy::{barb_cotangent, barbule_factor, hooked, vane_start_coverage}
 #import bevy_plumage::coverage_method::{part_coverage, resolves_parts}
 #import bevy_plumage::footprint::{Footprint}
-#import bevy_plumage::masking::{Vane, barb_strip, seen_cell, storeys, vane_shape}
+#import bevy_plumage::masking::{VaneShape, barb_strip, seen_cell, storeys}
 #import bevy_plumage::math::{smooth_step}
 #import bevy_plumage::query::LOD_MEAN
 #import bevy_plumage::query_split::{line_part, line_rest, line_share, outline_line, rachis_line, rachis_share, split_line}
@@ -26,7 +26,7 @@ struct VaneCover {
 // One vane as a card has it: its pattern where the barbules hook, the share of a barb where they do not, the height below which
 // they do not.
 struct CardVane {
-    vane: Vane,
+    shape: VaneShape,
     fringe: f32,
     downy: f32,
 }
@@ -58,19 +58,19 @@ fn cover_vane(
 ) -> VaneCover {
     let rachis = rachis_line(edge);
     let beside = line_share(rachis, footprint);
-    var vane = card.vane;
+    var shape = card.shape;
+    let vane = shape.vane;
     let cotangent = barb_cotangent(vane.sin_b, vane.cos_b);
     let mean = footprint.mean;
     let beyond = Footprint(vec2(min(mean.x, -1e-6), mean.y), footprint.covariance);
     let begun = vane_start_coverage(beyond, start, cotangent);
     let shows = beside >= LEAST_SHARE && outline.share * begun >= LEAST_SHARE;
     // Loose barbules stand on edge: they are narrower, and hide less of each other.
-    vane.hooked = select(1.0, barbule_factor(hooked(abs(mean.x), mean.y, outline.reach.x, card.fringe, card.downy)), shows);
-    let shape = vane_shape(vane);
+    shape.vane.hooked = select(1.0, barbule_factor(hooked(abs(mean.x), mean.y, outline.reach.x, card.fringe, card.downy)), shows);
     let seen = storeys(shape, view);
     let strip = barb_strip(shape, seen);
     let open = clamp(strip.x / max(2.0 * seen.silhouette, 1e-9), 0.0, 1.0);
-    var found = VaneCover(vec3(0.0), vane.hooked, open);
+    var found = VaneCover(vec3(0.0), shape.vane.hooked, open);
     if !shows {
         return found;
     }

@@ -2,7 +2,7 @@
 
 // Footprints cut by straight lines: at the rachis, at the outline. Twin of src/maths/query/split.rs, where the derivation is.
 
-#import bevy_plumage::math::{normal_density, normal_distribution}
+#import bevy_plumage::math::{normal_density, normal_distribution, normal_share}
 #import bevy_plumage::query_far::{Local}
 #import bevy_plumage::footprint::{Footprint}
 #import bevy_plumage::query::{PARTS_MARGIN}
@@ -46,7 +46,7 @@ fn covariance_times(c: vec3<f32>, g: vec2<f32>) -> vec2<f32> {
 // Share of a footprint inside a line.
 fn line_share(line: Line, f: Footprint) -> f32 {
     let variance = dot(line.gradient, covariance_times(f.covariance, line.gradient));
-    return normal_distribution(line_at(line, f.mean) / sqrt(max(variance, 1e-30)));
+    return normal_share(line_at(line, f.mean) * inverseSqrt(max(variance, 1e-30)));
 }
 
 // Prepares the parts of a footprint inside a line; `resolved`: up to four of them, else one.
@@ -76,7 +76,7 @@ fn line_rest(cut: LineCut) -> Part {
     if cut.line <= -FAR_SIGMAS {
         return Part(1.0, cut.footprint);
     }
-    let mass = normal_distribution(-cut.line);
+    let mass = normal_share(-cut.line);
     let ratio = normal_density(cut.line) / max(mass, 1e-6);
     return moved_part(cut, mass, ratio, clamp(1.0 + cut.line * ratio - ratio * ratio, 0.02, 1.0));
 }
@@ -168,7 +168,7 @@ fn outline_root(s: OutlineSight, i: u32) -> f32 {
 fn outline_node(s: OutlineSight, i: u32, reach: vec2<f32>) -> vec2<f32> {
     let t = outline_place(s, i);
     let steep = (reach.y - s.slope) * s.sigma;
-    let share = normal_distribution((reach.x - s.inset - s.slope * t * s.sigma) * inverseSqrt(s.rest + steep * steep * s.width));
+    let share = normal_share((reach.x - s.inset - s.slope * t * s.sigma) * inverseSqrt(s.rest + steep * steep * s.width));
     return normal_density(t) * vec2(1.0, share);
 }
 

@@ -2,7 +2,7 @@
 // src/maths/query/shadow.rs.
 #define_import_path bevy_plumage::shadow
 #import bevy_plumage::masking::{
-    Storey, Storeys, Vane, VaneShape, barb_hidden, storey_blocks, storeys, vane_shape,
+    Storey, Storeys, Vane, VaneShape, barb_hidden, storey_blocks, storeys,
 }
 
 const SHADOW_TAU: f32 = 6.28318530717959;
@@ -132,8 +132,7 @@ fn vane_caught(shape: VaneShape, s: Storeys, facing: f32) -> f32 {
 }
 
 // direction: unit, canonical frame of the left vane.
-fn vane_eye(vane: Vane, direction: vec3<f32>, of_barb: MirrorPlace, of_barbule: MirrorPlace) -> VaneEye {
-    let shape = vane_shape(vane);
+fn vane_eye(shape: VaneShape, direction: vec3<f32>, of_barb: MirrorPlace, of_barbule: MirrorPlace) -> VaneEye {
     return VaneEye(shape, direction.z >= 0.0, storeys(shape, direction), of_barb, of_barbule);
 }
 
@@ -145,7 +144,7 @@ fn vane_part(shape: VaneShape, s: Storeys, kind: u32) -> PartEye {
     let slope = select(select(s.first.slope, s.second.slope, lower), s.slope, barbs);
     let wide = select(select(s.first.wide, s.second.wide, lower), 2.0 * s.silhouette * shape.per_barb, barbs);
     var part: PartEye;
-    part.across = cross_section(slope, 1.0);
+    part.across = select(cross_section(slope, 1.0), vec2(slope, 1.0) * s.per_root, barbs);
     let reach = family_reach(wide);
     part.middle = family_middle(part.across, reach.y, 1.0);
     part.reach = reach.x;
@@ -236,7 +235,7 @@ fn vane_light(eye: VaneEye, part: PartEye, ray: VaneRay, kind: u32) -> VaneLight
         select(eye.of_barbule.blur, eye.of_barb.blur, barbs),
         select(eye.of_barbule.retreat, eye.of_barb.retreat, barbs),
     );
-    let light = cross_section(slope, ray.up);
+    let light = select(cross_section(slope, ray.up), vec2(slope, ray.up) * ray.layers.per_root, barbs);
     let reach = family_reach(wide);
     let between = halfway(part.across, light);
     let within = family_within(part, light, reach.x, ray.up, between, mirror);
@@ -246,12 +245,13 @@ fn vane_light(eye: VaneEye, part: PartEye, ray: VaneRay, kind: u32) -> VaneLight
         let to_light = within.y * mix(between.xy, light, mirror.retreat);
         let seen = barb_reached(shape, eye.layers, to_eye, 1.0);
         var lit = barb_reached(shape, ray.layers, to_light, ray.up);
+        var both = lit * seen;
         // Eye and light over the same flank look through the same gaps.
         if !ray.beyond && eye.layers.slope * ray.layers.slope > 0.0 {
+            both = min(lit, seen);
             lit = min(lit / max(seen, 1e-4), 1.0);
         }
-        lit *= within.x;
-        return VaneLight(lit * seen / max(part.open, 1e-3), lit, barb_open(shape, ray.layers), 0.0, place);
+        return VaneLight(within.x * both / max(part.open, 1e-3), within.x * lit, barb_open(shape, ray.layers), 0.0, place);
     }
     var gap = between_barbs(shape, part, ray, select(1.5, -0.5, lower != ray.beyond));
     var through = 1.0;

@@ -144,7 +144,7 @@ pub fn seen_place<T: Real>(facets: &Facets<T>, omega_o: [T; 3]) -> SeenPlace<T> 
     let view = facet_view(facets, omega_o);
     let one = T::one();
     let along = omega_o[0].abs().min(one);
-    let across = (one - along * along).max(T::zero()).sqrt();
+    let across = (omega_o[1] * omega_o[1] + omega_o[2] * omega_o[2]).sqrt();
     let share = (view.width - facets.flatness) / (one - facets.flatness).max(real(1e-3));
     let last = SEEN_STEPS - 1;
     let step = |x: T| {
