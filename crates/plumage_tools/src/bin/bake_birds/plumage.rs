@@ -206,7 +206,7 @@ fn wing_lay(species: &Species, body: &Body, tract: Tract, p: Vec3) -> Vec3 {
     let azimuth = if hand > 0.0 {
         remex
     } else {
-        across + (remex - across) * (0.35 + 0.65 * c)
+        across + (remex - across) * (0.7 + 0.3 * c)
     };
     let mut d = wing.direction(azimuth.max(40.0 * reach.min(1.0)));
     if tract == Tract::MarginalUpper {

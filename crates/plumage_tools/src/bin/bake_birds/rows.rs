@@ -296,11 +296,11 @@ impl<'a> Builder<'a> {
         vec![joint("hand_L", 1.0 - w), joint("ulna_L", w)]
     }
 
-    /// Weights of humerus, ulna and chest that best give the folded and the spread frame of a secondary or tertial.
+    /// Weights of hand, ulna and chest that best give the folded and the spread frame of a secondary or tertial.
     fn secondary_follow(&self, share: f32) -> Weights {
         let (fitted, _) = self.fit(share);
         vec![
-            joint("humerus_L", fitted[0]),
+            joint("hand_L", fitted[0]),
             joint("ulna_L", fitted[1]),
             joint("chest", fitted[2]),
         ]
@@ -312,10 +312,9 @@ impl<'a> Builder<'a> {
         let poses = [self.species.fold, self.species.spread].map(|pose| {
             let plane = WingPlane::new(self.species, pose);
             let (azimuth, roll) = plane.secondary(share, self.species);
-            let target = Quat::from_axis_angle(self.bind.tailward, roll.to_radians())
-                * Quat::from_axis_angle(self.bind.normal, (azimuth - rest).to_radians());
-            let [h, u, _] = plane.rotations(&self.bind);
-            (target, [h, u, Quat::IDENTITY])
+            let target = plane.feather(&self.bind, azimuth, rest, roll);
+            let [_, ulna, hand] = plane.rotations(&self.bind);
+            (target, [hand, ulna, Quat::IDENTITY])
         });
         let miss = |w: [f32; 3], pose: &(Quat, [Quat; 3])| {
             let mut sum = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);

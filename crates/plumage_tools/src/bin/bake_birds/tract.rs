@@ -126,8 +126,13 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
             _ => Tract::Mantle,
         };
     }
+    // Breast feathers lie over the wing's front edge; what the wing covers lies below it.
     if theta > 102.0 && arc > belly {
-        return Tract::Breast;
+        return if body.before_wing(q) > 0.0 {
+            Tract::Breast
+        } else {
+            Tract::Side
+        };
     }
     if theta > 122.0 {
         return if arc > vent {
