@@ -171,7 +171,7 @@ impl<'a> Builder<'a> {
                     from + along * (3.0 * s * (3.0 - index as f32)) + n * (4.0 * s),
                     3,
                 ) + n * (0.4 * s * index as f32);
-                let direction = self.bind.direction(self.bind.azimuths[2] + 10.0 - 7.0 * t);
+                let direction = self.bind.direction(self.bind.azimuths[2] + 15.0 - 7.0 * t);
                 (
                     root,
                     direction,
@@ -211,8 +211,9 @@ impl<'a> Builder<'a> {
                 let (point, ride) = self.arm_point(t, back);
                 let root = self.on_skin(point, side);
                 let azimuth = self.bind.secondary(t, self.species).0 - 4.0;
+                let direction = self.bind.direction(azimuth);
                 let follow = self.secondary_follow(t);
-                (root, self.bind.direction(azimuth), n * side, ride, follow)
+                (root, direction, self.tilt(direction, 2.0) * side, ride, follow)
             }
             "axillaries" => {
                 let [shoulder, elbow, ..] = self.bind.points;
@@ -400,7 +401,7 @@ impl<'a> Builder<'a> {
                 row.width = Span(width, width);
                 row.mirror = true;
                 row.lift = Span(4.0, 4.0);
-                row.camber = 0.08;
+                row.camber = 0.05;
                 row.curl = 5.0;
                 row.layer = Span(200.0 + 20.0 * j as f32, 205.0 + 20.0 * j as f32);
                 row.segments = Segments::new(5, 2);

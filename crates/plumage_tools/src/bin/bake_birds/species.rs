@@ -252,7 +252,7 @@ pub fn macaw() -> Species {
             wrist: 46.,
             roll: 76.,
             toe: -4.,
-            push: 12.,
+            push: 14.,
             tuck: 8.,
         },
         bind: WingPose {
