@@ -213,7 +213,13 @@ impl<'a> Builder<'a> {
                 let azimuth = self.bind.secondary(t, self.species).0 - 4.0;
                 let direction = self.bind.direction(azimuth);
                 let follow = self.secondary_follow(t);
-                (root, direction, self.tilt(direction, 2.0) * side, ride, follow)
+                (
+                    root,
+                    direction,
+                    self.tilt(direction, 2.0 * side) * side,
+                    ride,
+                    follow,
+                )
             }
             "axillaries" => {
                 let [shoulder, elbow, ..] = self.bind.points;
