@@ -6,6 +6,9 @@ use crate::loft::{Head, Hit, Trunk};
 use crate::species::Species;
 use crate::wing::WingPlane;
 
+/// Radius of the hollow in which the folded forearm lies, in the forearm's own.
+const BED: f32 = 1.3;
+
 /// Parts of the signed distance at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
@@ -58,8 +61,8 @@ pub struct Body<'a> {
     /// Bind frame of the left wing.
     pub wing: WingPlane,
     joints: [Vec3; 4],
-    /// Folded wrist.
-    wrist: Vec3,
+    /// The folded wing: shoulder, elbow, wrist, knuckle, tip.
+    folded: [Vec3; 5],
 }
 
 impl<'a> Body<'a> {
@@ -70,9 +73,21 @@ impl<'a> Body<'a> {
             trunk: Trunk::new(species),
             head: Head::new(species),
             wing: WingPlane::bind(species),
-            wrist: WingPlane::new(species, species.fold).points[2],
+            folded: WingPlane::new(species, species.fold).points,
             joints: ["femur_L", "tibia_L", "tarsus_L", "foot_L"].map(|n| species.joint(n)),
         }
+    }
+
+    /// How far a point lies before the front edge of the folded wing (shoulder, wrist, tip), seen from the side, mm.
+    pub fn before_wing(&self, p: Vec3) -> f32 {
+        let [shoulder, _, wrist, _, tip] = self.folded;
+        [(shoulder, wrist), (wrist, tip)]
+            .map(|(a, b)| {
+                let forward = Vec3::X.cross(a - b).normalize();
+                (p - wrist).dot(forward)
+            })
+            .into_iter()
+            .fold(f32::MIN, f32::max)
     }
 
     /// Distances to each part.
@@ -112,7 +127,25 @@ impl<'a> Body<'a> {
         let p = Vec3::new(p.x.abs(), p.y, p.z);
         let parts = self.parts(p);
         let [k, k_tarsus, k_wing] = self.species.blend;
-        let mut d = smooth_min(parts.trunk.distance, parts.head.distance, 1.15 * k);
+        let [_, elbow, wrist, ..] = self.folded;
+        // The feathers of the breast's sides swell round the folded wrist.
+        let (s, inward, forward) = if self.species.is_parrot() {
+            (1.0, 22.0, 0.0)
+        } else {
+            (1.9, 20.0, -6.0)
+        };
+        let swell = cone(
+            p,
+            wrist + Vec3::new(-inward, 12.0, forward) * s,
+            wrist + Vec3::new(-inward - 3.0, -30.0, forward) * s,
+            [11.0 * s, 7.0 * s],
+        );
+        let trunk = smooth_min(parts.trunk.distance, swell.0, 20.0 * s);
+        // Those of the flank lie flat below the folded forearm, which they bed.
+        let radius = BED * self.species.arm[1];
+        let bed = cone(p, elbow, wrist, [radius; 2]).0;
+        let trunk = -smooth_min(-trunk, bed, radius);
+        let mut d = smooth_min(trunk, parts.head.distance, 1.15 * k);
         if self.species.feathered_tarsus {
             // The brow ridge, which gives the eagle its scowl.
             let eye = self.species.joint("eye_L");
@@ -133,19 +166,6 @@ impl<'a> Body<'a> {
         if self.species.feathered_tarsus {
             d = smooth_min(d, parts.legs[2].0, k_tarsus);
         }
-        // The feathers of the breast's sides swell round the folded wrist.
-        let (s, inward, forward) = if self.species.is_parrot() {
-            (1.0, 30.0, 0.0)
-        } else {
-            (1.9, 25.0, -11.0)
-        };
-        let swell = cone(
-            p,
-            self.wrist + Vec3::new(-inward, 12.0, forward) * s,
-            self.wrist + Vec3::new(-inward - 3.0, -30.0, forward) * s,
-            [11.0 * s, 7.0 * s],
-        );
-        d = smooth_min(d, swell.0, 20.0 * s);
         smooth_min(d, parts.wing, k_wing)
     }
 

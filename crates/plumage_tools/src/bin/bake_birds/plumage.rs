@@ -16,7 +16,7 @@ use crate::tables;
 use crate::tract::{self, Tract};
 
 /// Guides on the left half.
-const GUIDES: usize = 150;
+const GUIDES: usize = 240;
 
 /// Builds the groom.
 pub fn groom(species: &Species, model: &Model) -> Groom {
@@ -203,10 +203,12 @@ fn wing_lay(species: &Species, body: &Body, tract: Tract, p: Vec3) -> Vec3 {
     let across = wing.azimuths[1] + 90.0;
     // Next to the leading edge straight across, next to the remiges with them.
     let c = wing.chord(q);
+    // On the hand half-way between its bone and the remiges: skin does not turn with them when the wrist folds.
     let azimuth = if hand > 0.0 {
-        remex
+        let along = wing.azimuths[2];
+        along + (remex - along) * (1.0 - 0.55 * (hand / 0.2).min(1.0))
     } else {
-        across + (remex - across) * (0.35 + 0.65 * c)
+        across + (remex - across) * (0.7 + 0.3 * c)
     };
     let mut d = wing.direction(azimuth.max(40.0 * reach.min(1.0)));
     if tract == Tract::MarginalUpper {

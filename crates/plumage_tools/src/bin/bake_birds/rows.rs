@@ -171,7 +171,7 @@ impl<'a> Builder<'a> {
                     from + along * (3.0 * s * (3.0 - index as f32)) + n * (4.0 * s),
                     3,
                 ) + n * (0.4 * s * index as f32);
-                let direction = self.bind.direction(self.bind.azimuths[2] + 10.0 - 7.0 * t);
+                let direction = self.bind.direction(self.bind.azimuths[2] + 15.0 - 7.0 * t);
                 (
                     root,
                     direction,
@@ -211,8 +211,15 @@ impl<'a> Builder<'a> {
                 let (point, ride) = self.arm_point(t, back);
                 let root = self.on_skin(point, side);
                 let azimuth = self.bind.secondary(t, self.species).0 - 4.0;
+                let direction = self.bind.direction(azimuth);
                 let follow = self.secondary_follow(t);
-                (root, self.bind.direction(azimuth), n * side, ride, follow)
+                (
+                    root,
+                    direction,
+                    self.tilt(direction, 2.0 * side) * side,
+                    ride,
+                    follow,
+                )
             }
             "axillaries" => {
                 let [shoulder, elbow, ..] = self.bind.points;
@@ -296,11 +303,11 @@ impl<'a> Builder<'a> {
         vec![joint("hand_L", 1.0 - w), joint("ulna_L", w)]
     }
 
-    /// Weights of humerus, ulna and chest that best give the folded and the spread frame of a secondary or tertial.
+    /// Weights of hand, ulna and chest that best give the folded and the spread frame of a secondary or tertial.
     fn secondary_follow(&self, share: f32) -> Weights {
         let (fitted, _) = self.fit(share);
         vec![
-            joint("humerus_L", fitted[0]),
+            joint("hand_L", fitted[0]),
             joint("ulna_L", fitted[1]),
             joint("chest", fitted[2]),
         ]
@@ -312,10 +319,9 @@ impl<'a> Builder<'a> {
         let poses = [self.species.fold, self.species.spread].map(|pose| {
             let plane = WingPlane::new(self.species, pose);
             let (azimuth, roll) = plane.secondary(share, self.species);
-            let target = Quat::from_axis_angle(self.bind.tailward, roll.to_radians())
-                * Quat::from_axis_angle(self.bind.normal, (azimuth - rest).to_radians());
-            let [h, u, _] = plane.rotations(&self.bind);
-            (target, [h, u, Quat::IDENTITY])
+            let target = plane.feather(&self.bind, azimuth, rest, roll);
+            let [_, ulna, hand] = plane.rotations(&self.bind);
+            (target, [hand, ulna, Quat::IDENTITY])
         });
         let miss = |w: [f32; 3], pose: &(Quat, [Quat; 3])| {
             let mut sum = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
@@ -401,7 +407,7 @@ impl<'a> Builder<'a> {
                 row.width = Span(width, width);
                 row.mirror = true;
                 row.lift = Span(4.0, 4.0);
-                row.camber = 0.08;
+                row.camber = 0.05;
                 row.curl = 5.0;
                 row.layer = Span(200.0 + 20.0 * j as f32, 205.0 + 20.0 * j as f32);
                 row.segments = Segments::new(5, 2);

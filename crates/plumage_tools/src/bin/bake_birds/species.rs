@@ -8,7 +8,7 @@ pub type TrunkStation = [f32; 7];
 pub type HeadStation = [f32; 4];
 
 /// Angles of the wing: azimuth of the humerus from lateral towards the tail, inner angles at elbow and wrist, roll of the wing
-/// plane about its tailward axis, and how far the wing is pushed out along its own normal.
+/// plane about its tailward axis, its turn towards the body's middle, and how far the wing is pushed out along its own normal.
 #[derive(Clone, Copy, Debug)]
 pub struct WingPose {
     /// Humerus azimuth, degrees.
@@ -19,6 +19,8 @@ pub struct WingPose {
     pub wrist: f32,
     /// Roll of the plane, degrees.
     pub roll: f32,
+    /// Turn of the plane about its lateral axis, which takes its tail end towards the body's middle, degrees.
+    pub toe: f32,
     /// Push along the normal, mm.
     pub push: f32,
     /// Dip of the hand below the plane, degrees: the folded primaries lie under the secondaries.
@@ -34,6 +36,7 @@ impl WingPose {
             elbow: m(self.elbow, other.elbow),
             wrist: m(self.wrist, other.wrist),
             roll: m(self.roll, other.roll),
+            toe: m(self.toe, other.toe),
             push: m(self.push, other.push),
             tuck: m(self.tuck, other.tuck),
         }
@@ -244,18 +247,20 @@ pub fn macaw() -> Species {
         ],
         bones: [82., 98., 64., 48.],
         fold: WingPose {
-            azimuth: 116.,
-            elbow: 28.,
+            azimuth: 115.,
+            elbow: 25.,
             wrist: 46.,
-            roll: 66.,
+            roll: 76.,
+            toe: -4.,
             push: 14.,
-            tuck: 2.2,
+            tuck: 8.,
         },
         bind: WingPose {
             azimuth: 45.,
             elbow: 95.,
             wrist: 110.,
             roll: 0.,
+            toe: 0.,
             push: 0.,
             tuck: 0.,
         },
@@ -264,10 +269,11 @@ pub fn macaw() -> Species {
             elbow: 150.,
             wrist: 165.,
             roll: 0.,
+            toe: 0.,
             push: 0.,
             tuck: 0.,
         },
-        fold_fan: 13.,
+        fold_fan: 6.,
         wing_slope: 58.,
         arm: [9.5, 9.5, 6.5, 3.5, 12.],
         legs: [[24., 22.], [22., 15.], [6.5, 6.5]],
@@ -310,13 +316,13 @@ pub fn eagle() -> Species {
             [0.0, 50.0, -118.0, 161.0, 54.7, 75.9, 0.5],
             [30.0, 51.0, -99.0, 184.0, 89.5, 115.1, 0.52],
             [60.0, 53.0, -80.0, 208.0, 122.5, 154.3, 0.56],
-            [95.0, 55.0, -60.0, 236.0, 153.5, 160.6, 0.6],
-            [130.0, 57.0, -41.0, 265.0, 176.3, 170.5, 0.62],
-            [165.0, 59.0, -22.0, 295.0, 191.4, 175.5, 0.62],
-            [200.0, 61.0, -5.0, 325.0, 196.6, 180.5, 0.6],
-            [235.0, 63.0, 12.0, 356.0, 189.0, 189.7, 0.58],
-            [270.0, 67.0, 27.0, 388.0, 171.6, 189.7, 0.56],
-            [300.0, 73.0, 37.0, 416.0, 143.6, 165.3, 0.52],
+            [95.0, 55.0, -60.0, 236.0, 149.0, 160.6, 0.6],
+            [130.0, 57.0, -41.0, 265.0, 165.0, 170.5, 0.62],
+            [165.0, 59.0, -22.0, 295.0, 177.0, 175.5, 0.62],
+            [200.0, 61.0, -5.0, 325.0, 182.0, 180.5, 0.6],
+            [235.0, 63.0, 12.0, 356.0, 182.0, 189.7, 0.58],
+            [270.0, 67.0, 27.0, 388.0, 175.0, 189.7, 0.56],
+            [300.0, 73.0, 37.0, 416.0, 154.0, 165.3, 0.52],
             [330.0, 80.0, 44.0, 445.0, 118.9, 129.4, 0.5],
             [360.0, 86.0, 48.0, 475.0, 105.4, 101.3, 0.5],
             [385.0, 90.0, 48.0, 500.0, 91.5, 86.1, 0.5],
@@ -359,18 +365,20 @@ pub fn eagle() -> Species {
         ],
         bones: [185., 215., 105., 75.],
         fold: WingPose {
-            azimuth: 118.,
-            elbow: 24.,
-            wrist: 46.,
-            roll: 68.,
-            push: 26.,
-            tuck: 3.0,
+            azimuth: 116.,
+            elbow: 20.,
+            wrist: 45.,
+            roll: 77.,
+            toe: -5.,
+            push: 35.,
+            tuck: 10.,
         },
         bind: WingPose {
             azimuth: 45.,
             elbow: 95.,
             wrist: 110.,
             roll: 0.,
+            toe: 0.,
             push: 0.,
             tuck: 0.,
         },
@@ -379,10 +387,11 @@ pub fn eagle() -> Species {
             elbow: 150.,
             wrist: 165.,
             roll: 0.,
+            toe: 0.,
             push: 0.,
             tuck: 0.,
         },
-        fold_fan: 8.,
+        fold_fan: -2.,
         wing_slope: 63.,
         arm: [17., 17., 11., 6., 22.],
         legs: [[46., 44.], [48., 32.], [18., 15.]],

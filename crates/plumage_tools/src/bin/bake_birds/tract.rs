@@ -44,6 +44,9 @@ pub enum Tract {
     Elbow = 28,
 }
 
+/// Where the breast begins before the front edge of the folded wing, mm on the macaw: feathers rooted nearer lie below the wing.
+const LAP: f32 = 9.0;
+
 /// Tract at a point of the skin.
 pub fn classify(body: &Body, p: Vec3) -> Tract {
     let s = body.species;
@@ -126,8 +129,13 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
             _ => Tract::Mantle,
         };
     }
+    // Breast feathers lie over the wing's front edge; what the wing covers lies below it.
     if theta > 102.0 && arc > belly {
-        return Tract::Breast;
+        return if body.before_wing(q) > LAP * s.scale {
+            Tract::Breast
+        } else {
+            Tract::Side
+        };
     }
     if theta > 122.0 {
         return if arc > vent {
@@ -213,7 +221,7 @@ fn wing(body: &Body, q: Vec3) -> Tract {
             c if c < if inner {
                 1.1
             } else if on_hand {
-                0.5
+                0.3
             } else {
                 0.74
             } =>

@@ -29,14 +29,18 @@ fn azimuths(pose: WingPose) -> [f32; 3] {
     [pose.azimuth, forearm, forearm + 180.0 - pose.wrist]
 }
 
+/// What rolling a plane and turning its tail end in does to the bind pose's axes.
+fn turned(tailward: Vec3, roll: f32, toe: f32) -> Quat {
+    Quat::from_axis_angle(tailward, roll.to_radians()) * Quat::from_rotation_x(-toe.to_radians())
+}
+
 impl WingPlane {
     /// The wing in a pose; bones as rigid as the bind pose's.
     pub fn new(species: &Species, pose: WingPose) -> Self {
         let slope = species.wing_slope.to_radians();
-        let tailward = Vec3::new(0.0, -slope.sin(), -slope.cos());
-        let dorsal = Vec3::X.cross(tailward);
-        let roll = Quat::from_axis_angle(tailward, pose.roll.to_radians());
-        let (lateral, normal) = (roll * Vec3::X, roll * dorsal);
+        let axis = Vec3::new(0.0, -slope.sin(), -slope.cos());
+        let frame = turned(axis, pose.roll, pose.toe);
+        let [lateral, tailward, normal] = [Vec3::X, axis, Vec3::X.cross(axis)].map(|v| frame * v);
         let azimuths = azimuths(pose);
         let direction = |degrees: f32| {
             let a = degrees.to_radians();
@@ -120,9 +124,15 @@ impl WingPlane {
         (open + (closed - open) * folded, roll)
     }
 
+    /// Rotation since bind of a secondary at an azimuth and a roll, from the azimuth at rest; degrees. It dips with the hand.
+    pub fn feather(&self, bind: &Self, azimuth: f32, rest: f32, roll: f32) -> Quat {
+        turned(bind.tailward, roll, self.pose.toe + self.pose.tuck)
+            * Quat::from_axis_angle(bind.normal, (azimuth - rest).to_radians())
+    }
+
     /// Global rotations since bind of humerus, ulna and hand.
     pub fn rotations(&self, bind: &Self) -> [Quat; 3] {
-        let roll = Quat::from_axis_angle(bind.tailward, self.pose.roll.to_radians());
+        let frame = turned(bind.tailward, self.pose.roll, self.pose.toe);
         let dip = Quat::from_axis_angle(
             bind.direction(bind.azimuths[2] + 90.0),
             self.pose.tuck.to_radians(),
@@ -133,9 +143,9 @@ impl WingPlane {
                 (self.azimuths[i] - bind.azimuths[i]).to_radians(),
             );
             if i == 2 {
-                roll * turn * dip
+                frame * turn * dip
             } else {
-                roll * turn
+                frame * turn
             }
         })
     }
