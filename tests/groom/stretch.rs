@@ -8,18 +8,20 @@ use bevy::{
 use bevy_plumage::groom::*;
 use plumage_tests::skins::region;
 
-/// A sheet of 0.4 by 0.2 m whose left half the first joint carries, the right half the second, with this much between them, m.
+/// A strip of 0.4 by 0.04 m whose left half the first joint carries, the right half the second, with this much between them, m.
 const BETWEEN: f32 = 0.08;
-/// How far the joint lies below the sheet, m.
+/// Width of the strip, m.
+const WIDTH: f32 = 0.04;
+/// How far the joint lies below the strip, m.
 const LEVER: f32 = 0.06;
 
-fn sheet() -> Bird {
-    let (wide, high) = (80_u32, 20_u32);
+fn strip() -> Bird {
+    let (wide, high) = (80_u32, 4_u32);
     let (mut positions, mut joints, mut weights) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..=high {
         for j in 0..=wide {
             let x = 0.4 * j as f32 / wide as f32 - 0.2;
-            positions.push([x, 0.0, 0.2 * i as f32 / high as f32 - 0.1]);
+            positions.push([x, 0.0, WIDTH * (i as f32 / high as f32 - 0.5)]);
             let second = (0.5 + x / BETWEEN).clamp(0.0, 1.0);
             joints.push([0_u16, 1, 0, 0]);
             weights.push([1.0 - second, second, 0.0, 0.0]);
@@ -59,13 +61,13 @@ fn groomed(bird: &Bird, bend: f32) -> Vec<Vec3> {
 /// Feathers per square metre between two distances from the middle.
 fn density(roots: &[Vec3], from: f32, to: f32) -> f32 {
     let inside = roots.iter().filter(|p| (from..to).contains(&p.x.abs()));
-    inside.count() as f32 / (2.0 * (to - from) * 0.2)
+    inside.count() as f32 / (2.0 * (to - from) * WIDTH)
 }
 
 /// Bent by an angle, the skin over a joint gets longer by the angle times the distance to the joint.
 #[test]
 fn more_feathers_grow_where_joints_stretch_the_skin() {
-    let bird = sheet();
+    let bird = strip();
     for bend in [30.0_f32, 60.0] {
         let roots = groomed(&bird, bend);
         let ratio = density(&roots, 0.0, 0.3 * BETWEEN) / density(&roots, BETWEEN, 0.19);
@@ -88,7 +90,7 @@ fn more_feathers_grow_where_joints_stretch_the_skin() {
 /// Without knowledge of the joints the coat is as without `bend`.
 #[test]
 fn unknown_joints_stretch_nothing() {
-    let bird = sheet();
+    let bird = strip();
     let unknown = Bird {
         pivots: Vec::new(),
         ..bird.clone()

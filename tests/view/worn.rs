@@ -71,12 +71,12 @@ fn a_bent_bird_wears_the_heights_of_its_bent_pose() {
     let mesh = world.get::<Mesh3d>(bird).unwrap().0.clone();
     let meshes = world.resource::<Assets<Mesh>>();
     let skin = SkinMesh::from_meshes(&[meshes.get(&mesh).unwrap()], &[]).unwrap();
-    let bird = Bird {
+    let body = Bird {
         skin,
         joints,
         ..Bird::default()
     };
-    let coat = groom_bird(&bird, &groom, SEED, 1.0).unwrap();
+    let coat = groom_bird(&body, &groom, SEED, 1.0).unwrap();
     assert!(
         coat.worn.reach > 1.0e-4,
         "bending asks for no other heights"
