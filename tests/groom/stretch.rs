@@ -51,7 +51,9 @@ fn strip() -> Bird {
 
 fn groomed(bird: &Bird, bend: f32) -> Vec<Vec3> {
     let mut groom = Groom::default();
-    groom.regions = vec![region("all", Select::All, 1500, 1.0)];
+    let mut all = region("all", Select::All, 1500, 1.0);
+    (all.length, all.width) = (Span(20.0, 20.0), Span(10.0, 10.0));
+    groom.regions = vec![all];
     groom.feathers = vec!["feathers/contour.feather.ron".into()];
     groom.bend = bend;
     let coat = groom_bird(bird, &groom, 3, 1.0).unwrap();
