@@ -2,7 +2,7 @@
 CARGO ?= cargo
 ARGS ?=
 
-.PHONY: help minimal parrot eagle pigeon flock wind single fur chick inspector tour test golden gallery charts bench gpu-cost judge blender docs birds feathers tables setup
+.PHONY: help minimal parrot eagle pigeon flock wind single fur chick inspector tour test test-long golden gallery charts bench gpu-cost judge blender docs birds feathers tables setup
 
 help:
 	@echo "Examples: a window, or off screen without a display; ARGS='--camera closeup' passes options, ARGS=--help lists them."
@@ -15,6 +15,7 @@ help:
 	@echo "  make minimal                     the smallest app (needs a display)"
 	@echo "Checks:"
 	@echo "  make test                        format, lints, tests, documentation, shaders"
+	@echo "  make test-long                   the tests that take minutes: whole ranges, of which the usual ones take samples"
 	@echo "  make golden                      writes the tests' reference pictures anew, where a change is meant"
 	@echo "  make bench                       benchmarks of the evaluators"
 	@echo "  make gpu-cost                    what a GPU's compiler makes of every pipeline, without a GPU"
@@ -57,6 +58,10 @@ test: setup
 	$(CARGO) test --workspace --all-features --lib --test "*"
 	$(CARGO) test --workspace --all-features --doc
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --lib --examples --all-features
+
+# Left out: a gap that the limits name.
+test-long: setup
+	$(CARGO) test --workspace --all-features --test "*" -- --ignored --skip near_light_from_behind
 
 golden: setup
 	PLUMAGE_GOLDEN=write $(CARGO) test --workspace --all-features --test view --test undercoat -- golden:: render::

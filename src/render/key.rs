@@ -41,6 +41,19 @@ pub enum DrawnCards {
     Mean,
 }
 
+/// What of thin layers ([`Iridescence`](crate::anatomy::Iridescence)) the shader knows. Their code is compiled for no bird that does
+/// without.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ThinLayers {
+    /// No feather has any.
+    #[default]
+    None,
+    /// Every feather that has them has one thickness.
+    Even,
+    /// The thickness of some changes over the card.
+    Graded,
+}
+
 /// How the shader finds the coverage of a pixel's footprint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect, Serialize, Deserialize)]
 #[non_exhaustive]
@@ -78,8 +91,8 @@ pub struct FeatherPipelineKey {
     pub ordered: bool,
     /// Fibres are read from their short tables.
     pub plain: bool,
-    /// `FeatherMaterial::iridescent`.
-    pub iridescent: bool,
+    /// `FeatherMaterial::layers`.
+    pub layers: ThinLayers,
 }
 
 impl FeatherPipelineKey {
@@ -150,8 +163,11 @@ impl FeatherPipelineKey {
         if self.lights_together {
             defs.push("LIGHTS_TOGETHER".into());
         }
-        if self.iridescent {
+        if self.layers > ThinLayers::None {
             defs.push("IRIDESCENT".into());
+        }
+        if self.layers == ThinLayers::Graded {
+            defs.push("GRADED_LAYERS".into());
         }
         if self.debug {
             defs.push("DEBUG_VIEW".into());
@@ -329,16 +345,20 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
         DrawnCards::Mean,
     ];
     // What of sampled environment, lights together, overdraw, debug and thin layers goes together.
+    use ThinLayers::{Even, Graded, None};
     let shown = [
-        [false, false, false, false, false],
-        [true, false, false, false, false],
-        [false, true, false, false, false],
-        [true, true, false, false, false],
-        [false, false, true, false, false],
-        [false, false, false, true, false],
-        [false, false, false, false, true],
-        [true, true, false, false, true],
-        [false, false, false, true, true],
+        ([false, false, false, false], None),
+        ([true, false, false, false], None),
+        ([false, true, false, false], None),
+        ([true, true, false, false], None),
+        ([false, false, true, false], None),
+        ([false, false, false, true], None),
+        ([false, false, false, false], Even),
+        ([false, false, false, false], Graded),
+        ([true, true, false, false], Even),
+        ([true, true, false, false], Graded),
+        ([false, false, false, true], Even),
+        ([false, false, false, true], Graded),
     ];
     let mut keys = Vec::new();
     for coverage_method in methods {
@@ -347,16 +367,8 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
                 let flags = shown
                     .iter()
                     .flat_map(|flags| [(*flags, false), (*flags, true)]);
-                for (
-                    [
-                        sampled_environment,
-                        lights_together,
-                        overdraw,
-                        debug,
-                        iridescent,
-                    ],
-                    ordered,
-                ) in flags
+                for (([sampled_environment, lights_together, overdraw, debug], layers), ordered) in
+                    flags
                 {
                     let key = FeatherPipelineKey {
                         coverage_method,
@@ -368,7 +380,7 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
                         drawn,
                         ordered,
                         plain: false,
-                        iridescent,
+                        layers,
                     };
                     let made = match drawn {
                         DrawnCards::Own => true,

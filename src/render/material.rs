@@ -1,7 +1,7 @@
 //! [`FeatherMaterial`]: the look bound to the GPU.
 
 use super::{
-    key::{CoverageMethod, DrawnCards, FeatherPipelineKey, FeatherTransparency},
+    key::{CoverageMethod, DrawnCards, FeatherPipelineKey, FeatherTransparency, ThinLayers},
     specialize,
 };
 use crate::maths::query::ErrorBudget;
@@ -160,7 +160,7 @@ impl From<&FeatherMaterial> for FeatherPipelineKey {
             drawn: material.drawn,
             ordered: material.settings.order_window > 0.0,
             plain: false,
-            iridescent: material.iridescent,
+            layers: material.layers,
         };
         key.with_plain_fibres(material.plain)
     }
@@ -180,8 +180,8 @@ pub struct FeatherMaterial {
     /// All fibres are plain ([`FibreTable::is_plain`](crate::maths::scattering::FibreTable::is_plain)): FAR and MEAN cards take
     /// their short form.
     pub plain: bool,
-    /// Some feather has thin layers.
-    pub iridescent: bool,
+    /// What the feathers have of thin layers.
+    pub layers: ThinLayers,
     /// Feathers and fibre tables, laid out as `shaders/feather_data.wgsl` reads them.
     #[storage(1, read_only)]
     pub feathers: Handle<ShaderBuffer>,

@@ -38,7 +38,7 @@ mod stacks;
 mod wind;
 
 pub use baked::BakedFeather;
-pub use key::{CoverageMethod, DrawnCards, FeatherTransparency};
+pub use key::{CoverageMethod, DrawnCards, FeatherTransparency, ThinLayers};
 pub use limits::{ActiveFeatherPath, FeatherPath};
 pub use lod::CARD_COUNTERS;
 pub use material::{DebugView, FeatherMaterial, FeatherSettings};

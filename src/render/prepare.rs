@@ -1,7 +1,7 @@
 //! Gives every groomed bird its [`FeatherMaterial`]: packs its feathers, uploads its cards; and keeps it up to date.
 
 use super::{
-    key::FeatherTransparency,
+    key::{FeatherTransparency, ThinLayers},
     material::{FeatherMaterial, FeatherSettings},
     pack::{TableCache, albedo_array, pack_cards, pack_feathers, same_paint},
     stacks::StackWork,
@@ -176,15 +176,19 @@ fn refresh_in_place(
     };
     set.tables.stacks = tables;
     let data = pack_feathers(&now, &mut set.tables);
-    // Other pipelines where fibres have become plain, or are so no longer.
-    if data.len() as u64 != set.bytes.0 || set.tables.is_plain() != set.plain {
+    // Other pipelines where fibres have become plain, or are so no longer, and where layers come and go.
+    let now: Vec<Feather> = now.into_iter().cloned().collect();
+    if data.len() as u64 != set.bytes.0
+        || set.tables.is_plain() != set.plain
+        || thin_layers(&now) != thin_layers(&set.packed)
+    {
         return false;
     }
     let Some(mut buffer) = buffers.get_mut(&set.feathers) else {
         return false;
     };
     buffer.data = Some(data);
-    set.packed = now.into_iter().cloned().collect();
+    set.packed = now;
     true
 }
 
@@ -286,7 +290,7 @@ fn prepare_materials(
             transparency: quality.transparency,
             drawn: default(),
             plain: set.plain,
-            iridescent: set.packed.iter().any(|f| f.iridescence.is_some()),
+            layers: thin_layers(&set.packed),
             feathers: set.feathers.clone(),
             cards: buffers.add(upload(records, "feather_cards")),
             lod: buffers.add(upload(lod, "feather_lod")),
@@ -368,4 +372,14 @@ fn upload(data: Vec<u8>, label: &'static str) -> ShaderBuffer {
     buffer.buffer_description.usage =
         BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
     buffer
+}
+
+/// What the shader has to know for all of them.
+fn thin_layers(feathers: &[Feather]) -> ThinLayers {
+    let of = |feather: &Feather| match (&feather.iridescence, &feather.iridescence_scale) {
+        (None, _) => ThinLayers::None,
+        (Some(_), None) => ThinLayers::Even,
+        (Some(_), Some(_)) => ThinLayers::Graded,
+    };
+    feathers.iter().map(of).max().unwrap_or_default()
 }

@@ -132,12 +132,13 @@ fn measures_see_displacements() {
     assert_eq!(flat.lost, 1.0);
 }
 
-/// A slice of the photographs that `extract_charts` reports on: every fifth preset, small enough to take moments.
-fn slice() -> Vec<Case> {
+/// A slice of the photographs that `extract_charts` reports on, every `step`th of 24: every fifth preset, small enough to take moments.
+fn slice(step: u64) -> Vec<Case> {
     let feathers = plumage_tests::shipped::photographed();
-    (0..24u64)
+    (0..24 / step)
         .into_par_iter()
         .map(|i| {
+            let i = i * step;
             let feather = &feathers[(i as usize * 5) % feathers.len()];
             let mut setting = Setting::random(feather, 1000 + i);
             let longest = setting.size[0].max(setting.size[1]);
@@ -151,9 +152,8 @@ fn slice() -> Vec<Case> {
         .collect()
 }
 
-#[test]
-fn extraction_of_a_slice() {
-    let cases = slice();
+fn check_slice(step: u64) {
+    let cases = slice(step);
     let report = Report::of(&cases);
     report.print();
     for case in &cases {
@@ -186,10 +186,21 @@ fn extraction_of_a_slice() {
     assert_eq!(report.refused, 0);
 }
 
+#[test]
+fn extraction_of_a_slice() {
+    check_slice(3);
+}
+
+#[test]
+#[ignore = "minutes: `make test-long`"]
+fn extraction_of_a_whole_slice() {
+    check_slice(1);
+}
+
 /// The targets for outline and shaft over the whole range, on photographs at their own size that no parameter was tuned on; as
 /// `extract_charts --corpus FOLDER 500 200000`.
 #[test]
-#[ignore = "many minutes: run it with --ignored"]
+#[ignore = "many minutes: `make test-long`"]
 fn outline_over_the_whole_range() {
     let cases: Vec<Case> = (200_000..200_500)
         .into_par_iter()

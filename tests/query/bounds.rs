@@ -66,7 +66,7 @@ fn stated_bounds_hold() {
 
 /// `cargo test --release --test query_bounds -- --ignored --nocapture`: some ten minutes on two cores.
 #[test]
-#[ignore = "a million footprints"]
+#[ignore = "a million footprints: `make test-long`"]
 fn stated_bounds_hold_a_million_times() {
     for masked in [false, true] {
         let mut errors = Vec::new();

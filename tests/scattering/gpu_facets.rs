@@ -24,19 +24,20 @@ fn vector(at: u32) -> vec3<f32> { return vec3<f32>(input[at], input[at + 1u], in
 
 fn four(at: u32) -> vec4<f32> { return vec4<f32>(vector(at), input[at + 3u]); }
 
+fn texel(at: u32, cell: interference::Simplex) -> vec4<f32> {
+    return cell.weights.x * four(at) + cell.weights.y * four(at + cell.second)
+        + cell.weights.z * four(at + cell.third) + cell.weights.w * four(at + cell.fourth);
+}
+
 fn stack_look(cosine: f32, scale: f32) -> vec4<f32> {
     let row = interference::stack_row(scale, 1.0, -0.5, 2.0);
     let place = interference::stack_step(cosine, 64.0);
     let at = 4u * (64u * row.index + place.index);
-    let low = mix(four(at), four(at + 4u), place.fraction);
-    let high = mix(four(at + 256u), four(at + 260u), place.fraction);
-    let look = mix(low, high, row.fraction);
+    let cell = interference::cell_triangle(vec2<f32>(place.fraction, row.fraction), vec2<u32>(4u, 256u));
+    let look = texel(at, cell);
     return vec4<f32>(interference::in_gamut(look.rgb), look.w);
 }
 
-fn seen_quad(at: u32, fraction: vec2<f32>) -> vec4<f32> {
-    return interference::seen_mix(four(at), four(at + 4u), four(at + 64u), four(at + 68u), fraction);
-}
 
 fn evaluate(i: u32) {
     let at = CASES + i * 22u;
@@ -49,8 +50,8 @@ fn evaluate(i: u32) {
     let seen_at = interference::seen_place(facets, vec2<f32>(input[at + 19u], input[at + 20u]), eye);
     let row = interference::stack_row(scale, 1.0, -0.5, 2.0);
     let first = SEEN + 2048u * u32(input[at + 18u]) + 4u * seen_at.index;
-    let texel = mix(seen_quad(first, seen_at.fraction), seen_quad(first + 1024u, seen_at.fraction), row.fraction);
-    let seen = interference::facet_seen(texel, seen_at);
+    let cell = interference::cell_simplex(vec3<f32>(seen_at.fraction, row.fraction), vec3<u32>(4u, 64u, 1024u));
+    let seen = interference::facet_seen(texel(first, cell), seen_at);
     let bare = vec4<f32>(seen.energy, stack_look(seen_at.facing, scale).w);
     let energy = interference::facet_color(bare, interference::facet_share(facets, seen_at.outer));
     let area = seen.area;

@@ -4,8 +4,8 @@
     feather_bindings::feather_at,
     feather_data as data,
     interference::{
-        Facets, SEEN_STEPS, facet_color, facet_evaluate, facet_half_way, facet_seen, facet_share, facet_side, facet_turn, in_gamut,
-        scale_mix, scale_place, seen_mix, seen_place, stack_row, stack_step,
+        Facets, SEEN_STEPS, cell_simplex, cell_triangle, facet_color, facet_evaluate, facet_half_way, facet_seen, facet_share, facet_side, facet_turn, in_gamut,
+        scale_mix, scale_place, seen_place, stack_row, stack_step,
     },
     scattering::FibreShading,
 }
@@ -36,6 +36,8 @@ struct Shimmer {
     table: u32,
     columns: f32,
     row: f32,
+    // 1 where there is a next row, 0 where there is only one.
+    next: u32,
     facets: Facets,
     // Sine and cosine.
     rise: vec2<f32>,
@@ -47,20 +49,28 @@ struct Shimmer {
 // Color at a cosine of incidence, and what bare keratin reflects.
 fn shimmer_look(s: Shimmer, cosine: f32) -> vec4<f32> {
     let place = stack_step(cosine, s.columns);
-    var at = s.table + place.index;
-    var look = vec4(0.0);
-    var weight = 1.0 - s.row;
-    for (var i = 0u; i < select(1u, 2u, s.row > 0.0); i++) {
-        look += weight * mix(feather_at(at), feather_at(at + 1u), place.fraction);
-        weight = s.row;
-        at += u32(s.columns);
-    }
+    let at = s.table + place.index;
+#ifdef GRADED_LAYERS
+    let cell = cell_triangle(vec2(place.fraction, s.row), vec2(1u, u32(s.columns) * s.next));
+    let look = cell.weights.x * feather_at(at) + cell.weights.y * feather_at(at + cell.second) + cell.weights.z * feather_at(at + cell.third);
+#else
+    let look = mix(feather_at(at), feather_at(at + 1u), place.fraction);
+#endif
     return vec4(in_gamut(look.rgb), look.w);
 }
 
-// Of the table of what eyes see, the mean of the four texels around a place.
-fn shimmer_seen(at: u32, fraction: vec2<f32>) -> vec4<f32> {
-    return seen_mix(feather_at(at), feather_at(at + 1u), feather_at(at + SEEN_STEPS), feather_at(at + SEEN_STEPS + 1u), fraction);
+// Of the table of what eyes see.
+fn shimmer_seen(at: u32, fraction: vec2<f32>, s: Shimmer) -> vec4<f32> {
+#ifdef GRADED_LAYERS
+    let cell = cell_simplex(vec3(fraction, s.row), vec3(1u, SEEN_STEPS, s.next * SEEN_TEXELS));
+#else
+    let cell = cell_triangle(fraction, vec2(1u, SEEN_STEPS));
+#endif
+    var texel = cell.weights.x * feather_at(at) + cell.weights.y * feather_at(at + cell.second) + cell.weights.z * feather_at(at + cell.third);
+#ifdef GRADED_LAYERS
+    texel += cell.weights.w * feather_at(at + cell.fourth);
+#endif
+    return texel;
 }
 
 // Factor on the thickness of the layers at a point of the card.
@@ -86,23 +96,20 @@ fn shimmer_of(base: u32, part: u32, eye: vec3<f32>, tipward: f32, albedo: vec3<f
     s.columns = side.w;
     s.table = at + data::STACK_SEEN + u32(rows.z) * SEEN_TEXELS;
     var seen_at = at + data::STACK_SEEN;
+#ifdef GRADED_LAYERS
     if (rows.z > 1.0) {
         let row = stack_row(shimmer_scale(map, uv), rows.x, rows.y, rows.z);
         seen_at += row.index * SEEN_TEXELS;
         s.table += row.index * u32(s.columns);
         s.row = row.fraction;
+        s.next = 1u;
     }
+#endif
     s.facets = Facets(side.x, side.y, side.z);
     s.rise = turn.xy;
     s.lean = vec2(select(-turn.z, turn.z, tipward >= 0.0), turn.w);
     let place = seen_place(s.facets, vec2(rows.w, map.w), facet_turn(eye, s.rise, s.lean));
-    // In a loop, or the shader holds the mean twice.
-    var texel = vec4(0.0);
-    var weight = 1.0 - s.row;
-    for (var i = 0u; i < select(1u, 2u, s.row > 0.0); i++) {
-        texel += weight * shimmer_seen(seen_at + i * SEEN_TEXELS + place.index, place.fraction);
-        weight = s.row;
-    }
+    let texel = shimmer_seen(seen_at + place.index, place.fraction, s);
     let seen = facet_seen(texel, place);
     s.area = seen.area;
     s.energy = seen.energy;

@@ -40,6 +40,15 @@ struct SeenPlace {
     facing: f32,
 }
 
+// A point of a cell of a table between the corners of its simplex. Of these the first is the cell's own.
+struct Simplex {
+    // Steps from the cell's first corner to the second and to the third; all steps together lead to the fourth.
+    second: u32,
+    third: u32,
+    fourth: u32,
+    weights: vec4<f32>,
+}
+
 struct ScalePlace {
     index: u32,
     fraction: vec2<f32>,
@@ -138,7 +147,7 @@ fn seen_place(facets: Facets, constants: vec2<f32>, omega_o: vec3<f32>) -> SeenP
     let along = min(abs(omega_o.x), 1.0);
     let across = sqrt(dot(omega_o.yz, omega_o.yz));
     let share = (view.width - facets.flatness) / max(1.0 - facets.flatness, 1e-3);
-    let column = stack_step(sqrt(clamp(share, 0.0, 1.0)), f32(SEEN_STEPS));
+    let column = stack_step(1.0 - sqrt(clamp(share, 0.0, 1.0)), f32(SEEN_STEPS));
     let level = stack_step(sqrt(fibre_acos(along) * (2.0 / SCATTERING_PI)), f32(SEEN_STEPS));
     return SeenPlace(
         level.index * SEEN_STEPS + column.index,
@@ -149,9 +158,23 @@ fn seen_place(facets: Facets, constants: vec2<f32>, omega_o: vec3<f32>) -> SeenP
     );
 }
 
-// The texel between four: at a place, one step on, one level on, both.
-fn seen_mix(low: vec4<f32>, next: vec4<f32>, above: vec4<f32>, last: vec4<f32>, fraction: vec2<f32>) -> vec4<f32> {
-    return mix(mix(low, next, fraction.x), mix(above, last, fraction.x), fraction.y);
+// The simplex of a cell around a point: along the steps in the order of their fractions, the largest first.
+fn cell_simplex(fraction: vec3<f32>, steps: vec3<u32>) -> Simplex {
+    let high = max(fraction.x, max(fraction.y, fraction.z));
+    let low = min(fraction.x, min(fraction.y, fraction.z));
+    let middle = fraction.x + fraction.y + fraction.z - high - low;
+    let first = select(select(steps.z, steps.y, fraction.y == high), steps.x, fraction.x == high);
+    let last = select(select(steps.x, steps.y, fraction.y == low), steps.z, fraction.z == low);
+    let all = steps.x + steps.y + steps.z;
+    return Simplex(first, all - last, all, vec4<f32>(1.0 - high, high - middle, middle - low, low));
+}
+
+// The same of a cell with four corners; the fourth has no weight.
+fn cell_triangle(fraction: vec2<f32>, steps: vec2<u32>) -> Simplex {
+    let high = max(fraction.x, fraction.y);
+    let low = min(fraction.x, fraction.y);
+    let all = steps.x + steps.y;
+    return Simplex(select(steps.y, steps.x, fraction.x == high), all, all, vec4<f32>(1.0 - high, high - low, low, 0.0));
 }
 
 // What an eye sees, of its texel.

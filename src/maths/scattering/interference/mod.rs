@@ -28,7 +28,7 @@ pub use seen::{
 pub use stack::{Layer, MIXING, Material, REALIZATIONS, Stack, keratin_index, melanin_index};
 pub use structure::{Base, Iridescence, Structure};
 pub use table::{
-    SCALE_RATIO, SCALED_TEXELS, STACK_TEXELS, StackLook, StackTable, bare, in_gamut, scale_rows,
-    scaled_row, stack_colors, stack_reflectance,
+    SCALE_RATIO, SCALED_TEXELS, STACK_TEXELS, Simplex, StackLook, StackTable, bare, cell_simplex,
+    cell_triangle, in_gamut, scale_rows, scaled_row, stack_colors, stack_reflectance,
 };
 pub use transfer::{Film, Flow, Polarization, film_flow};

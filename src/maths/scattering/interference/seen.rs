@@ -1,7 +1,7 @@
 //! What an eye sees of a side's facets, tabled over its direction (docs/book/iridescence.md#seen). Twin of `interference.wgsl`.
 
 use super::facet::{facet_node, facet_view};
-use super::{Facets, StackTable};
+use super::{Facets, StackTable, cell_simplex};
 use crate::maths::functions::{Real, clamp, real};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
@@ -26,8 +26,8 @@ pub struct FacetSeen<T> {
 }
 
 /// [`FacetSeen`] over the eye's direction, for every row of a [`StackTable`]: [`SEEN_STEPS`] levels by the root of the share of a right
-/// angle between eye and fibre, each of as many steps by the root of the width that the eye sees, from edge-on to broadside. Both roots
-/// put steps where slopes fill what is hidden.
+/// angle between eye and fibre, each of as many steps by the root of the width that the eye sees, from broadside to edge-on. Both roots
+/// put steps where slopes fill what is hidden; the energy changes least along the diagonals of the cells, between which it is linear.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenTable {
     /// Energy in linear RGB; area over [`facet_area`].
@@ -68,7 +68,7 @@ impl SeenTable {
             let (level, step) = (i % steps / SEEN_STEPS, i % SEEN_STEPS);
             let share = |i: usize| (i as f64 / (SEEN_STEPS - 1) as f64).powi(2);
             let (across, along) = (share(level) * FRAC_PI_2).sin_cos();
-            let width = facets.flatness + (1.0 - facets.flatness) * share(step);
+            let width = facets.flatness + (1.0 - facets.flatness) * share(SEEN_STEPS - 1 - step);
             // Where a side of this width looks at the eye: width^2 = z^2 + a^2 (1 - z^2).
             let z2 = ((width * width - a2) / (1.0 - a2).max(1e-12)).clamp(0.0, 1.0);
             let (y, z) = ((1.0 - z2).sqrt(), z2.sqrt());
@@ -103,18 +103,16 @@ impl SeenTable {
         omega_o: [T; 3],
     ) -> FacetSeen<T> {
         let place = seen_place(facets, omega_o);
-        let texel = |at: usize| self.texels[at.min(self.texels.len() - 1)].map(real::<T>);
-        let mix = |a: [T; 4], b: [T; 4], t: T| -> [T; 4] {
-            std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t)
-        };
-        let line = |at: usize| mix(texel(at), texel(at + 1), place.fraction[0]);
-        let plane = |at: usize| mix(line(at), line(at + SEEN_STEPS), place.fraction[1]);
         let steps = SEEN_STEPS * SEEN_STEPS;
-        let at = row * steps + place.index;
-        let mut found = plane(at);
-        if between > T::zero() {
-            found = mix(found, plane(at + steps), between);
-        }
+        let [t, s] = place.fraction;
+        let cell = cell_simplex([t, s, between], [1, SEEN_STEPS, steps]);
+        let corners = cell.corners(row * steps + place.index);
+        let found: [T; 4] = std::array::from_fn(|c| {
+            (0..4).fold(T::zero(), |sum, i| {
+                let texel = self.texels[corners[i].min(self.texels.len() - 1)];
+                sum + cell.weights[i] * real(texel[c])
+            })
+        });
         FacetSeen {
             energy: [found[0], found[1], found[2]],
             area: found[3] * place.area,
@@ -148,11 +146,13 @@ pub fn seen_place<T: Real>(facets: &Facets<T>, omega_o: [T; 3]) -> SeenPlace<T> 
     let share = (view.width - facets.flatness) / (one - facets.flatness).max(real(1e-3));
     let last = SEEN_STEPS - 1;
     let step = |x: T| {
-        let place = clamp(x, T::zero(), one).sqrt() * real(last as f64);
+        let place = x * real(last as f64);
         let low = place.to_usize().unwrap_or(0).min(last - 1);
         (low, place - real(low as f64))
     };
-    let ((column, t), (level, s)) = (step(share), step(along.acos() * real(FRAC_2_PI)));
+    let root = |x: T| clamp(x, T::zero(), one).sqrt();
+    let (column, t) = step(one - root(share));
+    let (level, s) = step(root(along.acos() * real(FRAC_2_PI)));
     SeenPlace {
         index: level * SEEN_STEPS + column,
         fraction: [t, s],

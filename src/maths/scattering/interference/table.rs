@@ -105,16 +105,15 @@ impl StackTable {
         let columns = self.columns();
         let (low, t) = step(clamp(cosine, T::zero(), T::one()), columns);
         let (row, s) = self.row(scale);
-        let next = (row + 1).min(self.rows - 1);
-        let between = |row: usize, c: usize| {
-            let at = row * columns + low;
-            let (a, b) = (self.texels[at][c], self.texels[at + 1][c]);
-            real::<T>(a) + real::<T>(b - a) * t
-        };
+        let to_next_row = if self.rows > 1 { columns } else { 0 };
+        let cell = cell_triangle([t, s], [1, to_next_row]);
+        let corners = cell.corners(row * columns + low);
         let (a, b) = (bare(low, columns), bare(low + 1, columns));
         StackLook {
             color: in_gamut(std::array::from_fn(|c| {
-                between(row, c) + (between(next, c) - between(row, c)) * s
+                (0..3).fold(T::zero(), |sum, i| {
+                    sum + cell.weights[i] * real(self.texels[corners[i]][c])
+                })
             })),
             bare: real::<T>(a) + real::<T>(b - a) * t,
         }
@@ -123,6 +122,56 @@ impl StackTable {
     /// The color at a cosine of incidence, in gamut, at the stack's own thickness.
     pub fn color<T: Real>(&self, cosine: T) -> [T; 3] {
         self.look(cosine, T::one()).color
+    }
+}
+
+/// A point of a cell of a table between the corners of its simplex. Of these the first is the cell's own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Simplex<T> {
+    /// Steps from the cell's first corner to the second.
+    pub second: usize,
+    /// To the third.
+    pub third: usize,
+    /// To the fourth: all steps together.
+    pub fourth: usize,
+    /// Barycentric coordinates of the point.
+    pub weights: [T; 4],
+}
+
+impl<T> Simplex<T> {
+    /// Indices of the corners of a cell whose first is `first`.
+    pub fn corners(&self, first: usize) -> [usize; 4] {
+        [0, self.second, self.third, self.fourth].map(|step| first + step)
+    }
+}
+
+/// The simplex of a cell around a point (Kuhn 1960): along the steps in the order of their fractions, the largest first. Four texels
+/// tell what the mean of eight would.
+pub fn cell_simplex<T: Real>(fraction: [T; 3], steps: [usize; 3]) -> Simplex<T> {
+    let [x, y, z] = fraction;
+    let (high, low) = (x.max(y.max(z)), x.min(y.min(z)));
+    let middle = x + y + z - high - low;
+    let first = fraction.iter().position(|f| *f == high).unwrap_or(0);
+    let last = fraction.iter().rposition(|f| *f == low).unwrap_or(2);
+    let all = steps.iter().sum::<usize>();
+    Simplex {
+        second: steps[first],
+        third: all - steps[last],
+        fourth: all,
+        weights: [T::one() - high, high - middle, middle - low, low],
+    }
+}
+
+/// The same of a cell with four corners; the fourth has no weight.
+pub fn cell_triangle<T: Real>(fraction: [T; 2], steps: [usize; 2]) -> Simplex<T> {
+    let [x, y] = fraction;
+    let (high, low) = (x.max(y), x.min(y));
+    let all = steps[0] + steps[1];
+    Simplex {
+        second: steps[usize::from(x != high)],
+        third: all,
+        fourth: all,
+        weights: [T::one() - high, high - low, low, T::zero()],
     }
 }
 

@@ -3,7 +3,9 @@
 use bevy::shader::ShaderDefVal;
 use bevy_plumage::{
     prelude::FeatherTransparency,
-    render::key::{CoverageMethod, DrawnCards, FeatherPipelineKey, PassKey, Resolve, pipelines},
+    render::key::{
+        CoverageMethod, DrawnCards, FeatherPipelineKey, PassKey, Resolve, ThinLayers, pipelines,
+    },
     undercoat::layout as undercoat,
 };
 use naga::ShaderStage;
@@ -121,7 +123,8 @@ fn feather_name(key: &FeatherPipelineKey, pass: &PassKey) -> String {
             (key.sampled_environment, ", sampled environment"),
             (key.lights_together, ", lights together"),
             (key.debug, ", debug views"),
-            (key.iridescent, ", thin layers"),
+            (key.layers == ThinLayers::Even, ", thin layers"),
+            (key.layers == ThinLayers::Graded, ", graded thin layers"),
             (
                 matches!(key.drawn, DrawnCards::Far | DrawnCards::Mean) && !key.plain,
                 ", any fibre",
@@ -167,11 +170,12 @@ fn is_usual(key: &FeatherPipelineKey, pass: &PassKey) -> bool {
             ..
         }
     );
-    let optional = key.sampled_environment != (key.lights_together && key.plain) && !key.iridescent;
+    let optional = key.sampled_environment != (key.lights_together && key.plain)
+        && key.layers == ThinLayers::None;
     // Thin layers: the three classes without a prepass.
     let default = !key.sampled_environment
         && !key.lights_together
-        && (!key.iridescent || !(prepared || key.ordered));
+        && (key.layers == ThinLayers::None || !(prepared || key.ordered));
     // Of fibres that are not plain one line tells.
     let after = matches!(
         pass,
