@@ -29,8 +29,7 @@ fn texel(at: u32, cell: interference::Simplex) -> vec4<f32> {
         + cell.weights.z * four(at + cell.third) + cell.weights.w * four(at + cell.fourth);
 }
 
-fn stack_look(cosine: f32, scale: f32) -> vec4<f32> {
-    let row = interference::stack_row(scale, 1.0, -0.5, 2.0);
+fn stack_look(cosine: f32, row: interference::StackPlace) -> vec4<f32> {
     let place = interference::stack_step(cosine, 64.0);
     let at = 4u * (64u * row.index + place.index);
     let cell = interference::cell_triangle(vec2<f32>(place.fraction, row.fraction), vec2<u32>(4u, 256u));
@@ -45,23 +44,23 @@ fn evaluate(i: u32) {
     let eye = vector(at + 3u);
     let light = vector(at + 6u);
     let place = interference::scale_place(vec2<f32>(2.0, 2.0), vec2<f32>(input[at + 16u], input[at + 17u]));
-    let scale = interference::scale_mix(vec4<f32>(0.75, 0.9, 1.1, 1.4), place.fraction);
+    let row_place = interference::scale_mix(vec4<f32>(ROWS), place.fraction);
     let view = interference::facet_view(facets, eye);
     let seen_at = interference::seen_place(facets, vec2<f32>(input[at + 19u], input[at + 20u]), eye);
-    let row = interference::stack_row(scale, 1.0, -0.5, 2.0);
+    let row = interference::stack_row(row_place, 2.0);
     let first = SEEN + 2048u * u32(input[at + 18u]) + 4u * seen_at.index;
     let cell = interference::cell_simplex(vec3<f32>(seen_at.fraction, row.fraction), vec3<u32>(4u, 64u, 1024u));
     let seen = interference::facet_seen(texel(first, cell), seen_at);
-    let bare = vec4<f32>(seen.energy, stack_look(seen_at.facing, scale).w);
+    let bare = vec4<f32>(seen.energy, stack_look(seen_at.facing, row).w);
     let energy = interference::facet_color(bare, interference::facet_share(facets, seen_at.outer));
     let area = seen.area;
     let half_way = interference::facet_half_way(eye + light);
-    let color = interference::facet_color(stack_look(half_way.w, scale), interference::facet_side(facets, half_way.z));
+    let color = interference::facet_color(stack_look(half_way.w, row), interference::facet_side(facets, half_way.z));
     let k = interference::facet_evaluate(facets, area, half_way) * color;
     let drawn = interference::facet_sample(facets, view, eye, vector(at + 9u));
     let turned = interference::facet_turn(light, vec2<f32>(input[at + 12u], input[at + 13u]), vec2<f32>(input[at + 14u], input[at + 15u]));
     let results = array<f32, 16>(k.x, k.y, k.z, area, energy.x, energy.y, energy.z,
-        interference::facet_pdf(facets, view, eye, half_way), drawn.x, drawn.y, drawn.z, drawn.w, turned.x, turned.y, turned.z, scale);
+        interference::facet_pdf(facets, view, eye, half_way), drawn.x, drawn.y, drawn.z, drawn.w, turned.x, turned.y, turned.z, row_place);
     for (var j = 0u; j < 16u; j++) { output[i * 16u + j] = results[j]; }
 }
 ";
@@ -132,7 +131,15 @@ fn facets_on_the_gpu_are_those_of_the_crate() {
         let [across, along] = facet_constants(&sides[i % 16]);
         input.extend([(i % 16) as f32, across as f32, along as f32, 0.0]);
     }
-    let Some(out) = run(&["interference.wgsl"], TEXT, &input, count, count * RESULTS) else {
+    let places = map.quad([0, 0]).map(|factor| table.row_place(factor));
+    let text = TEXT.replace("ROWS", &places.map(|x| format!("{x:?}")).join(", "));
+    let Some(out) = run(
+        &["interference.wgsl"],
+        &text,
+        &input,
+        count,
+        count * RESULTS,
+    ) else {
         return;
     };
     let mut worst = [0.0_f64; 5];
@@ -150,7 +157,7 @@ fn facets_on_the_gpu_are_those_of_the_crate() {
         };
         let scale: f64 = map.at([v[16], v[17]]);
         let eye = facet_eye(&facets, &seen[i % 16], &rounded, scale, three(3));
-        worst[1] = worst[1].max((got[15] - scale).abs());
+        worst[1] = worst[1].max((got[15] - rounded.row_place(scale)).abs());
         let k = facet_evaluate(&eye, &rounded, three(6));
         let peak = facet_density(&facets, [0.0, 0.0, 1.0]) / (4.0 * eye.area);
         for (got, k) in got.iter().zip(k) {

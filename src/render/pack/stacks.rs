@@ -14,10 +14,9 @@ pub mod stack {
     pub const SIDE: usize = 0;
     /// Sine and cosine of rise and tilt.
     pub const TURN: usize = 1;
-    /// Rows of texels that a factor of 2 makes, binary logarithm of the first's factor, number of rows; a constant of the
-    /// side.
+    /// Two constants of the side, and the number of rows of texels.
     pub const ROWS: usize = 2;
-    /// Of the map of factors: its place in the buffer, columns, rows; another constant.
+    /// Of the map of rows: its place in the buffer, columns, rows.
     pub const MAP: usize = 3;
     /// What an eye sees: energy, area; for every row. Behind that the rows: color, and the reflectance of bare keratin.
     pub const SEEN: usize = 4;
@@ -104,7 +103,9 @@ pub(super) fn append(
             let at = rows.len() as f32;
             rows[place + stack::MAP][..3].copy_from_slice(&[at, width as f32, height as f32]);
             let steps = |count: usize| 0..(count - 1).max(1);
-            rows.extend(steps(height).flat_map(|y| steps(width).map(move |x| map.quad([x, y]))));
+            let row = |factor: f32| table.row_place(factor);
+            let quad = |x: usize, y: usize| map.quad([x, y]).map(row);
+            rows.extend(steps(height).flat_map(|y| steps(width).map(move |x| quad(x, y))));
         }
     }
 }
@@ -122,13 +123,9 @@ fn append_stack(rows: &mut Vec<[f32; 4]>, parameters: &Iridescence, table: &Stac
     let (columns, constants) = (table.columns(), facet_constants(&facets));
     rows.push([p.flatness, p.slope.to_radians(), p.back, columns as f32]);
     rows.push([sin_r, cos_r, sin_t, cos_t]);
-    rows.push([
-        table.rows_per_octave() as f32,
-        table.scales[0].log2() as f32,
-        table.rows as f32,
-        constants[0] as f32,
-    ]);
-    rows.push([0.0, 1.0, 1.0, constants[1] as f32]);
+    let [across, along] = constants.map(|x| x as f32);
+    rows.push([across, along, table.rows as f32, 0.0]);
+    rows.push([0.0, 1.0, 1.0, 0.0]);
     let seen = SeenTable::build(&facets, table);
     rows.extend(seen.texels.iter().map(|texel| texel.map(|x| x as f32)));
     rows.extend(

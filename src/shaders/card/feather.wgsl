@@ -25,7 +25,7 @@
 #ifdef IRIDESCENT
 #import bevy_plumage::feather_iridescence::{
     ONE_LOOK, Shimmer, shimmer_entering, shimmer_let_in, shimmer_lobe, shimmer_mirror, shimmer_of, shimmer_reflected,
-    shimmer_roughness,
+    shimmer_roughness, shimmer_row,
 }
 #endif
 #ifdef SAMPLED_ENVIRONMENT
@@ -273,6 +273,7 @@ fn shade(
     let mirror = shimmer_mirror(base, vane_barb, vane_angles);
     let mirror_normal = mirror.x * frame.across + mirror.y * frame.along + mirror.z * frame.normal;
     let around = light::environment(seen, eye_side, reflect(-frame.eye, mirror_normal), mirror.w);
+    let row = shimmer_row(base, in.uv);
 #else
     let around = light::environment(seen, eye_side, reflected, 0.6);
 #endif
@@ -321,7 +322,7 @@ fn shade(
             var shading = short_part(about.w, eye, shape.w);
 #ifdef IRIDESCENT
             let tipward = in_fibre(tangent, frame.hand, vec3(vane_barb, 0.0)).y;
-            let shimmer = shimmer_of(base, part, eye, tipward, min(albedo * about.x, vec3(0.98)), in.uv);
+            let shimmer = shimmer_of(base, part, eye, tipward, min(albedo * about.x, vec3(0.98)), row);
             let entering = shimmer_entering(shimmer, shading.energy.x);
 #endif
             var lobes = array<short::ShortLobes, BATCH>();
@@ -398,7 +399,7 @@ fn shade(
             var shading = fibre_shading(fibre.parameters, fibre.row, single, eye, shape.w, harmonics);
 #ifdef IRIDESCENT
             let tipward = in_fibre(tangent, frame.hand, vec3(vane_barb, 0.0)).y;
-            let shimmer = shimmer_of(base, part, eye, tipward, painted, in.uv);
+            let shimmer = shimmer_of(base, part, eye, tipward, painted, row);
             shading = shimmer_let_in(shading, shimmer);
 #endif
             if (part == shadowing.lower) {

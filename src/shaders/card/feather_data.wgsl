@@ -30,10 +30,9 @@ const KEPT: u32 = HEADER_LENGTH + RACHIS_SAMPLES + CONTOUR_SAMPLES + SHEEN_SAMPL
 const STACK_SIDE: u32 = 0u;
 // Sine and cosine of rise and tilt.
 const STACK_TURN: u32 = 1u;
-// Rows of texels that a factor of 2 on the thickness makes, binary logarithm of the first's factor, number of rows; a constant of
-// the side.
+// Two constants of the side, and the number of rows of texels.
 const STACK_ROWS: u32 = 2u;
-// Of the map of factors: its place in the buffer, columns, rows; another constant.
+// Of the map of rows: its place in the buffer, columns, rows.
 const STACK_MAP: u32 = 3u;
 // What an eye sees: energy, area; for every row. Behind that the rows: color, and reflectance of bare keratin.
 const STACK_SEEN: u32 = 4u;

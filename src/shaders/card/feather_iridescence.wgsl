@@ -4,7 +4,7 @@
     feather_bindings::feather_at,
     feather_data as data,
     interference::{
-        Facets, SEEN_STEPS, cell_simplex, cell_triangle, facet_color, facet_evaluate, facet_half_way, facet_seen, facet_share, facet_side, facet_turn, in_gamut,
+        Facets, SEEN_STEPS, StackPlace, cell_simplex, cell_triangle, facet_color, facet_evaluate, facet_half_way, facet_seen, facet_share, facet_side, facet_turn, in_gamut,
         scale_mix, scale_place, seen_place, stack_row, stack_step,
     },
     scattering::FibreShading,
@@ -73,15 +73,29 @@ fn shimmer_seen(at: u32, fraction: vec2<f32>, s: Shimmer) -> vec4<f32> {
     return texel;
 }
 
-// Factor on the thickness of the layers at a point of the card.
-fn shimmer_scale(map: vec4<f32>, uv: vec2<f32>) -> f32 {
-    let place = scale_place(map.yz, uv);
-    return scale_mix(feather_at(u32(map.x) + place.index), place.fraction);
+// What a side without layers reflects at a cosine of incidence: no matter of thickness.
+fn shimmer_bare(s: Shimmer, cosine: f32) -> f32 {
+    let place = stack_step(cosine, s.columns);
+    return mix(feather_at(s.table + place.index).w, feather_at(s.table + place.index + 1u).w, place.fraction);
 }
 
-// `eye`: in the fibre's frame; `tipward`: the part of the barb's direction across the fibre there; `albedo`: as painted; `uv`: on the
-// card.
-fn shimmer_of(base: u32, part: u32, eye: vec3<f32>, tipward: f32, albedo: vec3<f32>, uv: vec2<f32>) -> Shimmer {
+// The tables' row for the thickness of the layers at a point of the card.
+fn shimmer_row(base: u32, uv: vec2<f32>) -> StackPlace {
+#ifdef GRADED_LAYERS
+    let at = u32(feather_at(base + data::SHEEN).z);
+    let rows = feather_at(at + data::STACK_ROWS).z;
+    let map = feather_at(at + data::STACK_MAP);
+    if (at > 0u && rows > 1.0) {
+        let place = scale_place(map.yz, uv);
+        return stack_row(scale_mix(feather_at(u32(map.x) + place.index), place.fraction), rows);
+    }
+#endif
+    return StackPlace(0u, 0.0);
+}
+
+// `eye`: in the fibre's frame; `tipward`: the part of the barb's direction across the fibre there; `albedo`: as painted; `row`: of the
+// tables.
+fn shimmer_of(base: u32, part: u32, eye: vec3<f32>, tipward: f32, albedo: vec3<f32>, row: StackPlace) -> Shimmer {
     var s: Shimmer;
     let at = u32(feather_at(base + data::SHEEN).z);
     s.share = 1.0 - smoothstep(DARK.x, DARK.y, max(albedo.x, max(albedo.y, albedo.z)));
@@ -92,29 +106,21 @@ fn shimmer_of(base: u32, part: u32, eye: vec3<f32>, tipward: f32, albedo: vec3<f
     let side = feather_at(at + data::STACK_SIDE);
     let turn = feather_at(at + data::STACK_TURN);
     let rows = feather_at(at + data::STACK_ROWS);
-    let map = feather_at(at + data::STACK_MAP);
     s.columns = side.w;
-    s.table = at + data::STACK_SEEN + u32(rows.z) * SEEN_TEXELS;
-    var seen_at = at + data::STACK_SEEN;
-#ifdef GRADED_LAYERS
-    if (rows.z > 1.0) {
-        let row = stack_row(shimmer_scale(map, uv), rows.x, rows.y, rows.z);
-        seen_at += row.index * SEEN_TEXELS;
-        s.table += row.index * u32(s.columns);
-        s.row = row.fraction;
-        s.next = 1u;
-    }
-#endif
+    s.row = row.fraction;
+    s.next = u32(rows.z > 1.0);
+    s.table = at + data::STACK_SEEN + u32(rows.z) * SEEN_TEXELS + row.index * u32(s.columns);
+    let seen_at = at + data::STACK_SEEN + row.index * SEEN_TEXELS;
     s.facets = Facets(side.x, side.y, side.z);
     s.rise = turn.xy;
     s.lean = vec2(select(-turn.z, turn.z, tipward >= 0.0), turn.w);
-    let place = seen_place(s.facets, vec2(rows.w, map.w), facet_turn(eye, s.rise, s.lean));
+    let place = seen_place(s.facets, rows.xy, facet_turn(eye, s.rise, s.lean));
     let texel = shimmer_seen(seen_at + place.index, place.fraction, s);
     let seen = facet_seen(texel, place);
     s.area = seen.area;
     s.energy = seen.energy;
     if (s.facets.back < 1.0) {
-        s.energy = facet_color(vec4(s.energy, shimmer_look(s, place.facing).w), facet_share(s.facets, place.outer));
+        s.energy = facet_color(vec4(s.energy, shimmer_bare(s, place.facing)), facet_share(s.facets, place.outer));
     }
     s.energy = s.share * clamp(s.energy, vec3(0.0), vec3(1.0));
     return s;

@@ -54,19 +54,19 @@ struct ScalePlace {
     fraction: vec2<f32>,
 }
 
-// `place` 0..1 among `count` values in even steps.
-fn stack_step(place: f32, count: f32) -> StackPlace {
-    let at = clamp(place, 0.0, 1.0) * (count - 1.0);
+// `place`: so many steps from the first of `count` values.
+fn stack_row(place: f32, count: f32) -> StackPlace {
+    let at = clamp(place, 0.0, count - 1.0);
     let low = min(floor(at), max(count - 2.0, 0.0));
     return StackPlace(u32(low), at - low);
 }
 
-// Row of a table for a factor on the thickness; `per_octave`: rows that a factor of 2 makes, `low`: binary logarithm of the first's.
-fn stack_row(scale: f32, per_octave: f32, low: f32, rows: f32) -> StackPlace {
-    return stack_step((log2(scale) - low) * per_octave / max(rows - 1.0, 1.0), rows);
+// `place` 0..1 among `count` values in even steps.
+fn stack_step(place: f32, count: f32) -> StackPlace {
+    return stack_row(place * (count - 1.0), count);
 }
 
-// Of the four factors around a point of the card the first, row after row of one less than `size`, and how far it lies from it.
+// Of the four places around a point of the card the first, row after row of one less than `size`, and how far it lies from it.
 fn scale_place(size: vec2<f32>, uv: vec2<f32>) -> ScalePlace {
     let column = stack_step(uv.x, size.x);
     let row = stack_step(uv.y, size.y);

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 /// Factors on the thickness of a stack over the card: the rings of a peacock's eye, a bronzewing's spots.
 ///
-/// Rows run from the skin to the tip in even steps of the card, each from its left to its right edge; linear between them.
+/// Rows run from the skin to the tip in even steps of the card, each from its left to its right edge; between them the factors'
+/// logarithm is linear.
 #[derive(Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Default)]
 #[serde(deny_unknown_fields)]
@@ -53,7 +54,8 @@ pub fn scale_place<T: Real>(size: [usize; 2], uv: [T; 2]) -> ScalePlace<T> {
     }
 }
 
-/// The factor between four: at the place, one column on, one row on, both.
+/// The value between four: at the place, one column on, one row on, both. Of factors: of their logarithms, or of the rows that they
+/// lead to.
 pub fn scale_mix<T: Real>(quad: [T; 4], fraction: [T; 2]) -> T {
     let mix = |a: T, b: T, t: T| a + (b - a) * t;
     let near = mix(quad[0], quad[1], fraction[0]);
@@ -76,7 +78,7 @@ impl ScaleMap {
         clamp(self.factors.get(at).copied().unwrap_or(1.0), 0.6, 1.6)
     }
 
-    /// The four factors that [`scale_mix`] takes.
+    /// The four factors between whose logarithms [`scale_mix`] lies.
     pub fn quad(&self, [column, row]: [usize; 2]) -> [f32; 4] {
         let at = |x: usize, y: usize| self.factor(column + x, row + y);
         [at(0, 0), at(1, 0), at(0, 1), at(1, 1)]
@@ -85,8 +87,8 @@ impl ScaleMap {
     /// The factor at a point of the card.
     pub fn at<T: Real>(&self, uv: [T; 2]) -> T {
         let place = scale_place(self.size(), uv);
-        let quad = self.quad(place.low).map(|x| real(f64::from(x)));
-        scale_mix(quad, place.fraction)
+        let quad = self.quad(place.low);
+        scale_mix(quad.map(|x| real::<T>(f64::from(x)).log2()), place.fraction).exp2()
     }
 
     /// Least and greatest factor.

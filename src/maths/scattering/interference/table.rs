@@ -93,11 +93,16 @@ impl StackTable {
         self.scales[0] * (self.scales[1] / self.scales[0]).powf(along)
     }
 
+    /// Place of a factor on the thickness, in rows from the first.
+    pub fn row_place<T: Real>(&self, scale: T) -> T {
+        let octaves = (scale / real(self.scales[0])).max(real(1e-3)).log2();
+        let last = real((self.rows - 1) as f64);
+        clamp(octaves * real(self.rows_per_octave()), T::zero(), last)
+    }
+
     /// Row below a factor on the thickness, and how far the factor lies towards the next.
     pub fn row<T: Real>(&self, scale: T) -> (usize, T) {
-        let along = (scale / real(self.scales[0])).max(real(1e-3)).log2();
-        let place = along * real(self.rows_per_octave() / (self.rows - 1).max(1) as f64);
-        step(clamp(place, T::zero(), T::one()), self.rows)
+        step_from(self.row_place(scale), self.rows)
     }
 
     /// The color at a cosine of incidence, for a factor on the thickness.
@@ -177,7 +182,11 @@ pub fn cell_triangle<T: Real>(fraction: [T; 2], steps: [usize; 2]) -> Simplex<T>
 
 /// Index and fraction of a place 0..1 among `count` values in even steps.
 fn step<T: Real>(place: T, count: usize) -> (usize, T) {
-    let place = place * real((count - 1) as f64);
+    step_from(place * real((count - 1) as f64), count)
+}
+
+/// The same of a place so many steps from the first.
+fn step_from<T: Real>(place: T, count: usize) -> (usize, T) {
     let low = place.to_usize().unwrap_or(0).min(count.saturating_sub(2));
     (low, place - real(low as f64))
 }
