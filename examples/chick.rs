@@ -47,7 +47,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
         UndercoatState::default(),
         PlumageState::default(),
         args.quality(FeatherTransparency::default()),
-        args.ruffle(),
+        args.condition(),
     ));
     commands.spawn(Perch(0.022, 0.8, 0.024));
 }

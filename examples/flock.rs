@@ -48,7 +48,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
                     .with_seed(args.seed)
                     .with_density(args.density.unwrap_or(0.3)),
                 args.quality(FeatherTransparency::default()),
-                args.ruffle(),
+                args.condition(),
                 Transform::from_xyz(middle(i, BIRDS_PER_ROW), 0.0, z),
             ));
         }

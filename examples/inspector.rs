@@ -106,7 +106,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
             .with_seed(args.seed)
             .with_density(args.density.unwrap_or(1.0)),
         args.quality(FeatherTransparency::default()),
-        args.ruffle(),
+        args.condition(),
     ));
     commands.spawn(scene::PARROT_PERCH);
 }

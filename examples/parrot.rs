@@ -47,7 +47,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
                 .with_seed(args.seed + i as u64)
                 .with_density(args.density.unwrap_or(density)),
             args.quality(FeatherTransparency::default()),
-            args.ruffle(),
+            args.condition(),
             Transform::from_xyz(x, 0.0, 0.0).with_rotation(Quat::from_rotation_y(turn)),
         ));
     }

@@ -165,7 +165,7 @@ fn dress(
                 .with_seed(args.seed)
                 .with_density(args.density.unwrap_or(1.0)),
             args.quality(FeatherTransparency::default()),
-            args.ruffle(),
+            args.condition(),
         ));
     }
 }

@@ -122,7 +122,7 @@ fn spawn(
             (
                 Mesh3d(mesh.clone()),
                 quality,
-                args.ruffle(),
+                args.condition(),
                 PlumageCards::new(
                     [card(length, width, tint)],
                     [CardGeometry {

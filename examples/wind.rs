@@ -50,7 +50,7 @@ fn setup(
             .with_seed(args.seed)
             .with_density(args.density.unwrap_or(0.5)),
         args.quality(FeatherTransparency::default()),
-        args.ruffle(),
+        args.condition(),
     ));
     commands.spawn(scene::PARROT_PERCH);
 }

@@ -76,10 +76,15 @@ mod skin_color;
 pub mod undercoat;
 #[cfg(not(feature = "internals"))]
 mod undercoat;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod weathering;
+#[cfg(not(feature = "internals"))]
+mod weathering;
 
 pub use anatomy::{
     Albedo, AnatomyPlugin, Barbules, Bars, Clumps, Coat, ColorShare, Contour, Down, Feather, Gaps,
-    Interval, Pattern, Rachis, Rim, Specular, Spread, Stop, Transfer, Vane,
+    Interval, Pattern, Rachis, Rim, Specular, Spread, Stop, Transfer, Vane, Weather,
 };
 pub use asset::{AssetError, AssetLink, RonAsset, RonLoader, RonSaver};
 pub use groom::{
@@ -104,6 +109,7 @@ pub use undercoat::{
     UndercoatPlugin, UndercoatQuality, UndercoatReady, UndercoatSettings, UndercoatState,
     UndercoatSystems, UndercoatTier, UndercoatView,
 };
+pub use weathering::{Weathering, WeatheringPlugin};
 
 /// Compiles the code in the README.
 #[cfg(doctest)]
@@ -117,6 +123,6 @@ pub mod prelude {
         FeatherRenderPlugin, FeatherSettings, FeatherTransparency, Groom, GuardStrands, Plumage,
         PlumageCards, PlumageFailed, PlumageMemory, PlumagePlugins, PlumageReady, PlumageState,
         PlumageSystems, RonAsset, Ruffle, Undercoat, UndercoatMode, UndercoatQuality,
-        UndercoatSettings, UndercoatState, UndercoatTier, UndercoatView, Wind,
+        UndercoatSettings, UndercoatState, UndercoatTier, UndercoatView, Weather, Weathering, Wind,
     };
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     anatomy::AnatomyPlugin, groom::GroomPlugin, render::FeatherRenderPlugin,
-    skin_color::SkinColorPlugin, undercoat::UndercoatPlugin,
+    skin_color::SkinColorPlugin, undercoat::UndercoatPlugin, weathering::WeatheringPlugin,
 };
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 
@@ -15,6 +15,7 @@ impl PluginGroup for PlumagePlugins {
             .add(AnatomyPlugin)
             .add(GroomPlugin)
             .add(SkinColorPlugin)
+            .add(WeatheringPlugin)
             .add(FeatherRenderPlugin::default())
             .add(UndercoatPlugin);
         #[cfg(feature = "photo")]

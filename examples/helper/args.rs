@@ -158,6 +158,15 @@ pub struct Args {
     /// How far the birds ruffle their feathers, 0 to 1.
     #[arg(long, default_value_t = 0.0, help_heading = "Scene")]
     pub ruffle: f32,
+    /// How wet the feathers are, 0 to 1.
+    #[arg(long, default_value_t = 0.0, help_heading = "Scene")]
+    pub wetness: f32,
+    /// How much soil lies on them, 0 to 1.
+    #[arg(long, default_value_t = 0.0, help_heading = "Scene")]
+    pub dirt: f32,
+    /// How far they are from their molt, 0 to 1.
+    #[arg(long, default_value_t = 0.0, help_heading = "Scene")]
+    pub age: f32,
     /// Puts the sun behind the subject.
     #[arg(long, help_heading = "Scene")]
     pub backlight: bool,
@@ -306,12 +315,18 @@ impl Args {
         quality
     }
 
-    /// The ruffle that the command line asks for.
-    pub fn ruffle(&self) -> Ruffle {
-        Ruffle {
+    /// The ruffle and the weather that the command line asks for.
+    pub fn condition(&self) -> (Ruffle, Weathering) {
+        let weather = Weather {
+            wetness: self.wetness,
+            dirt: self.dirt,
+            age: self.age,
+        };
+        let ruffle = Ruffle {
             amount: self.ruffle,
             ..default()
-        }
+        };
+        (ruffle, Weathering::new(weather))
     }
 
     /// The time at which the animation stands still, seconds.

@@ -5,7 +5,7 @@
 //! `x = (u - F_P(v)) * aspect`, `y = v`, with the rachis on `x = 0` (the paper's map M of Table 1 puts it on 0.5 and has no
 //! aspect). Left is `x < 0`. Every length below whose unit is not named is in feather lengths.
 
-use super::{Clumps, v1};
+use super::{Clumps, Weather, v1};
 use crate::{
     asset::{AssetError, RonAsset, parse},
     maths::scattering::{
@@ -68,6 +68,10 @@ pub struct Feather {
     #[serde(skip)]
     #[dependency]
     pub image: Option<Handle<Image>>,
+    /// What its colors are seen under; see [`Feather::weathered`].
+    #[serde(skip)]
+    #[reflect(ignore)]
+    pub(crate) weather: Weather,
 }
 
 /// Outline P: half widths of the two vanes along the feather, as the *reach of the barb* rooted at each height.
@@ -299,6 +303,7 @@ impl Default for Feather {
             iridescence: None,
             iridescence_scale: None,
             image: None,
+            weather: Weather::default(),
         }
     }
 }

@@ -14,6 +14,7 @@ mod plugin;
 mod rachis;
 mod table1;
 mod v1;
+mod weather;
 
 #[cfg(any(feature = "inspector", feature = "photo"))]
 pub use builtin::primary;
@@ -29,3 +30,4 @@ pub use plugin::AnatomyPlugin;
 pub(crate) use plugin::DownPlugin;
 pub use rachis::{FeatherMap, Spline};
 pub use table1::Side;
+pub use weather::Weather;

@@ -73,6 +73,7 @@ impl From<Feather> for super::Feather {
             iridescence: None,
             iridescence_scale: None,
             image: None,
+            weather: Default::default(),
         }
     }
 }

@@ -441,12 +441,6 @@ fn is_zero(share: &f32) -> bool {
 }
 
 impl Groom {
-    /// Whether any feather takes its color from the skin.
-    pub(super) fn takes_skin_color(&self) -> bool {
-        let mut shares = self.shares();
-        shares.any(|share| share > 0.0)
-    }
-
     /// Share of the skin's color of each region, then of each row.
     pub(super) fn shares(&self) -> impl Iterator<Item = f32> {
         let regions = self.regions.iter().map(|region| region.skin_color);

@@ -55,7 +55,7 @@ pub struct Coat {
     pub crossings: layer::Crossings,
     /// Tracts with down below the feathers.
     pub down: Vec<DownTract>,
-    /// Where each card takes the skin's color; empty unless the groom asks for it.
+    /// Where each card is rooted.
     pub roots: Vec<SurfacePoint>,
     /// The poses that it was settled in.
     pub worn: WornPoses,
@@ -165,11 +165,7 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
             .iter()
             .map(|name| format!("{}: the skin has no joint {name:?}", groom.name)),
     );
-    let roots = if groom.takes_skin_color() {
-        leaves.iter().map(|leaf| skin_root(skin, leaf)).collect()
-    } else {
-        Vec::new()
-    };
+    let roots = leaves.iter().map(|leaf| skin_root(skin, leaf)).collect();
     let (mesh, geometry) = build_mesh(&mut leaves, skinned, worn.reach);
     let cards = leaves.iter().map(|leaf| leaf.card).collect();
     Ok(Coat {

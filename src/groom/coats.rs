@@ -71,8 +71,9 @@ pub(super) struct SharedCoat {
     pub triangles: u32,
     pub skin: Arc<SkinMesh>,
     pub down: Arc<[DownTract]>,
-    /// Where each card takes the skin's color, and for each region and row the share of it; empty unless the groom asks for it.
+    /// Where each card is rooted.
     pub roots: Arc<[SurfacePoint]>,
+    /// Of the skin's color, for each region and row.
     pub shares: Arc<[f32]>,
     pub worn: Arc<WornPoses>,
     pub crossings: Crossings,

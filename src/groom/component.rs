@@ -223,17 +223,22 @@ pub struct DownTracts {
     pub tracts: Arc<[DownTract]>,
 }
 
-/// On the card mesh of a bird whose groom takes colors from the skin: what they are looked up by.
+/// On the card mesh of a bird: where its cards are rooted.
 #[derive(Component, Clone, Debug)]
-pub struct SkinColors {
+pub struct CardRoots {
     /// The skin.
     pub skin: Arc<SkinMesh>,
-    /// The meshes that it was taken from, in its order.
+    /// Root of each card on it.
+    pub roots: Arc<[SurfacePoint]>,
+}
+
+/// On the card mesh of a bird whose groom takes colors from the skin: whose.
+#[derive(Component, Clone, Debug)]
+pub struct SkinColors {
+    /// The meshes that the skin was taken from, in its order.
     pub meshes: Vec<Entity>,
     /// The cards in the groom's own colors.
     pub cards: Arc<[Card]>,
-    /// Root of each card on the skin.
-    pub roots: Arc<[SurfacePoint]>,
     /// Share of the skin's color, for each region, then for each row.
     pub shares: Arc<[f32]>,
 }
@@ -250,6 +255,10 @@ pub enum PlumageSystems {
     /// `Update`: plumages are groomed and their cards spawned; [`PlumageReady`] and [`PlumageFailed`] are triggered. Changes made
     /// before are seen in this frame.
     Groom,
+    /// `Update`, after [`Self::Groom`]: cards take the colors of their skin.
+    TakeSkinColors,
+    /// `Update`, after [`Self::TakeSkinColors`]: cards wear the feathers of the weather.
+    TakeWeather,
     /// `PostUpdate`: card meshes get their materials; changed feathers, quality, wind and ruffle are taken over.
     PrepareMaterials,
     /// `PostUpdate`, after [`Self::PrepareMaterials`]: meshes that draw the cards once more are spawned and follow the first.

@@ -202,21 +202,26 @@ impl SkinTexture {
 
     /// The channel between texels, 0..1.
     fn share(&self, uv: Vec2) -> f32 {
-        let size = self.image.size();
-        let [u, v] = address_modes(&self.image);
-        let place = uv * size.as_vec2() - 0.5;
-        let low = place.floor();
-        let part = place - low;
-        let at = |dx: f32, dy: f32| {
-            let centre = (low + Vec2::new(dx, dy) + 0.5) / size.as_vec2();
-            let (x, y) = (texel(centre.x, size.x, u), texel(centre.y, size.y, v));
-            stored(&self.image, self.channel, x, y).unwrap_or(1.0)
-        };
-        let top = at(0.0, 0.0) * (1.0 - part.x) + at(1.0, 0.0) * part.x;
-        let bottom = at(0.0, 1.0) * (1.0 - part.x) + at(1.0, 1.0) * part.x;
-        let share = top * (1.0 - part.y) + bottom * part.y;
-        if share.is_finite() { share } else { 0.0 }
+        channel_share(&self.image, self.channel, uv)
     }
+}
+
+/// A channel of a picture between texels, 0..1; 1 where it cannot be read.
+fn channel_share(image: &Image, channel: Channel, uv: Vec2) -> f32 {
+    let size = image.size();
+    let [u, v] = address_modes(image);
+    let place = uv * size.as_vec2() - 0.5;
+    let low = place.floor();
+    let part = place - low;
+    let at = |dx: f32, dy: f32| {
+        let centre = (low + Vec2::new(dx, dy) + 0.5) / size.as_vec2();
+        let (x, y) = (texel(centre.x, size.x, u), texel(centre.y, size.y, v));
+        stored(image, channel, x, y).unwrap_or(1.0)
+    };
+    let top = at(0.0, 0.0) * (1.0 - part.x) + at(1.0, 0.0) * part.x;
+    let bottom = at(0.0, 1.0) * (1.0 - part.x) + at(1.0, 1.0) * part.x;
+    let share = top * (1.0 - part.y) + bottom * part.y;
+    if share.is_finite() { share } else { 0.0 }
 }
 
 impl SkinMesh {
@@ -268,6 +273,17 @@ impl SkinMesh {
                 .map(|(vertex, share)| Vec2::from(self.uvs[vertex as usize]) * share)
                 .sum(),
         )
+    }
+
+    /// What a picture says at a point, 0..1: 1 on a mesh without texture coordinates.
+    pub(crate) fn picture_share(
+        &self,
+        image: &Image,
+        channel: Channel,
+        point: SurfacePoint,
+    ) -> f32 {
+        self.uv(point)
+            .map_or(1.0, |uv| channel_share(image, channel, uv))
     }
 
     /// What the textures of a kind say at a point.

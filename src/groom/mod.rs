@@ -54,7 +54,7 @@ pub use authored::{Authored, AuthoredGuide, AuthoredRow, AuthoredStation, SkinMa
 pub use build::{Bird, Coat, DownTract, groom_bird};
 pub use card::{Card, CardGeometry};
 pub use component::{
-    CardRegion, DownTracts, FeathersOf, NotSkin, Plumage, PlumageCards, PlumageFailed,
+    CardRegion, CardRoots, DownTracts, FeathersOf, NotSkin, Plumage, PlumageCards, PlumageFailed,
     PlumageParts, PlumageReady, PlumageState, PlumageSystems, SkinColors,
 };
 pub use error::{GroomError, MaskFlaw, SkinFlaw};

@@ -5,8 +5,8 @@ use super::{
     authored::{AuthoredParts, SkinMasks, read_attributes},
     coats::{CoatInput, CoatKey, Coats, SharedCoat},
     component::{
-        DownTracts, FeathersOf, NotSkin, Plumage, PlumageCards, PlumageFailed, PlumageParts,
-        PlumageReady, PlumageState, PlumageSystems, SkinColors,
+        CardRoots, DownTracts, FeathersOf, NotSkin, Plumage, PlumageCards, PlumageFailed,
+        PlumageParts, PlumageReady, PlumageState, PlumageSystems, SkinColors,
     },
     fan::{FanJoints, fan_rows},
     mask_images::{MaskImages, MaskSource, Masks, follow_masks},
@@ -336,13 +336,15 @@ fn spawn_cards(
         Visibility::default(),
         Name::new("Plumage"),
     );
-    let output = commands.spawn((common, ChildOf(target.mesh))).id();
-    if !coat.roots.is_empty() {
+    let roots = CardRoots {
+        skin: coat.skin.clone(),
+        roots: coat.roots,
+    };
+    let output = commands.spawn((common, roots, ChildOf(target.mesh))).id();
+    if coat.shares.iter().any(|share| *share > 0.0) {
         commands.entity(output).insert(SkinColors {
-            skin: coat.skin.clone(),
             meshes: target.meshes.clone(),
             cards: coat.cards.clone(),
-            roots: coat.roots,
             shares: coat.shares,
         });
     }

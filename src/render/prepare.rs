@@ -196,9 +196,10 @@ fn refresh_in_place(
 fn drop_unused(
     mut removed: RemovedComponents<PlumageCards>,
     birds: Query<&PlumageCards>,
+    changed: Query<(), Changed<PlumageCards>>,
     mut sets: ResMut<FeatherSets>,
 ) {
-    if removed.read().count() > 0 {
+    if removed.read().count() > 0 || !changed.is_empty() {
         sets.0
             .retain(|ids, _| birds.iter().any(|cards| feather_ids(cards) == *ids));
     }

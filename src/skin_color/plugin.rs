@@ -2,7 +2,7 @@
 
 use super::surface::{Surface, skin_color};
 use crate::{
-    groom::{Card, FeathersOf, PlumageCards, PlumageState, PlumageSystems, SkinColors},
+    groom::{Card, CardRoots, FeathersOf, PlumageCards, PlumageState, PlumageSystems, SkinColors},
     modified::modified,
 };
 use bevy::{
@@ -28,6 +28,7 @@ impl Plugin for SkinColorPlugin {
         app.add_systems(
             Update,
             take_colors
+                .in_set(PlumageSystems::TakeSkinColors)
                 .after(PlumageSystems::Groom)
                 .run_if(any_with_component::<SkinColors>.and_then(materials)),
         );
@@ -120,6 +121,7 @@ fn take_colors(
     mut birds: Query<(
         Entity,
         Ref<SkinColors>,
+        &CardRoots,
         Has<Colored>,
         &mut PlumageCards,
         Option<&FeathersOf>,
@@ -127,7 +129,7 @@ fn take_colors(
     mut states: Query<&mut PlumageState>,
 ) {
     let (materials, images) = (modified(&mut material_events), modified(&mut image_events));
-    for (entity, colors, colored, mut cards, of) in &mut birds {
+    for (entity, colors, roots, colored, mut cards, of) in &mut birds {
         let stale = colors.is_changed() || skins.touched(&colors.meshes, &materials, &images);
         if colored && !stale {
             continue;
@@ -147,27 +149,31 @@ fn take_colors(
                 state.warnings.push(note);
             }
         }
-        cards.cards = colored_cards(&colors, surfaces).into();
+        cards.cards = colored_cards(&colors, roots, surfaces).into();
         commands.entity(entity).insert(Colored);
     }
 }
 
 /// The groom's cards in the skin's colors. Where a texture cannot be read the base color alone serves.
-fn colored_cards(colors: &SkinColors, mut surfaces: Vec<Option<Surface>>) -> Vec<Card> {
+fn colored_cards(
+    colors: &SkinColors,
+    roots: &CardRoots,
+    mut surfaces: Vec<Option<Surface>>,
+) -> Vec<Card> {
     let mut cards = colors.cards.to_vec();
-    for (card, &root) in cards.iter_mut().zip(colors.roots.iter()) {
+    for (card, &root) in cards.iter_mut().zip(roots.roots.iter()) {
         let share = colors.shares.get(usize::from(card.region)).copied();
         let share = share.unwrap_or(0.0);
         if share <= 0.0 {
             continue;
         }
         let size = 0.5 * card.width;
-        let found = skin_color(&colors.skin, root, size, &surfaces).or_else(|error| {
+        let found = skin_color(&roots.skin, root, size, &surfaces).or_else(|error| {
             warn!("the skin's texture gives feathers no color: {error}");
             for surface in surfaces.iter_mut().flatten() {
                 surface.texture = None;
             }
-            skin_color(&colors.skin, root, size, &surfaces)
+            skin_color(&roots.skin, root, size, &surfaces)
         });
         if let Ok(Some(skin)) = found {
             let own = Vec3::from(card.tint);

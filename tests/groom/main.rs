@@ -13,4 +13,5 @@ mod plugin;
 mod proportions;
 mod skin_color;
 mod stretch;
+mod weathering;
 mod wrong_input;

@@ -1,7 +1,7 @@
 //! The albedo of a bird's feathers as a texture array.
 
 use super::mips::append_with_mips;
-use crate::anatomy::{Feather, Pattern};
+use crate::anatomy::{Feather, Pattern, Weather};
 use bevy::{
     asset::RenderAssetUsages,
     image::{ImageSampler, ImageSamplerDescriptor},
@@ -23,6 +23,7 @@ pub fn same_paint(a: &Feather, b: &Feather) -> bool {
             feather.albedo.front.clone(),
             feather.albedo.back.clone(),
             feather.image.clone(),
+            feather.weather,
         )
     };
     paint(a) == paint(b) && a.contour == b.contour && a.rachis == b.rachis && a.aspect == b.aspect
@@ -39,7 +40,7 @@ pub fn albedo_array(feathers: &[&Feather], images: &Assets<Image>) -> Image {
         let back: Option<&Pattern> = feather.albedo.back.as_ref();
         let back = back.map_or_else(
             || front.clone(),
-            |back| back.bake(width as usize, height as usize, feather),
+            |back| weathered(feather, back.bake(width as usize, height as usize, feather)),
         );
         for face in [front, back] {
             levels = append_with_mips(&mut data, face, width, height);
@@ -68,12 +69,29 @@ pub fn albedo_array(feathers: &[&Feather], images: &Assets<Image>) -> Image {
 /// The front of a feather, RGBA8: its photograph if it has one, else the painted pattern; alpha is the share of the groom's tint.
 pub fn albedo_front(feather: &Feather, images: &Assets<Image>, width: u32, height: u32) -> Vec<u8> {
     let photograph = feather.image.as_ref().and_then(|handle| images.get(handle));
-    photograph
+    let face = photograph
         .and_then(|image| resample(image, width, height))
         .unwrap_or_else(|| {
             let painted = &feather.albedo.front;
             painted.bake(width as usize, height as usize, feather)
-        })
+        });
+    weathered(feather, face)
+}
+
+/// The colors of a face under the feather's weather.
+fn weathered(feather: &Feather, mut face: Vec<u8>) -> Vec<u8> {
+    if feather.weather == Weather::default() {
+        return face;
+    }
+    for texel in face.chunks_exact_mut(4) {
+        let color = Color::srgb_u8(texel[0], texel[1], texel[2]).to_linear();
+        let [r, g, b] = feather.weather.color([color.red, color.green, color.blue]);
+        let color = Color::linear_rgb(r, g, b).to_srgba();
+        let bytes =
+            [color.red, color.green, color.blue].map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8);
+        texel[..3].copy_from_slice(&bytes);
+    }
+    face
 }
 
 /// An image of any size as RGBA8 of the albedo's size, by the mean of the pixels that fall on each texel; its alpha counts as
