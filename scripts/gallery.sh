@@ -70,6 +70,15 @@ show chick chick_moult --size 480x360 --camera closeup --time 0 --transparency h
 show parrot parrot_ruffled --size 640x480 --camera closeup --distance 2.5 --tilt -55 --time 0 --ruffle 1 --transparency hashed
 show parrot parrot_fluffed --size 640x480 --camera full --time 0 --ruffle 1
 show eagle eagle_ruffled --size 640x480 --camera closeup --tilt -50 --time 0 --ruffle 1 --transparency hashed
+# Clean, wet, dirty, old.
+for weather in none wetness dirt age; do
+    options=()
+    [ "$weather" = none ] || options=("--$weather" 1)
+    show single_feather "weather_$weather" --size 200x267 --feather macaw_contour --camera full "${options[@]}"
+done
+convert "$out"/weather_{none,wetness,dirt,age}.png +append "$out/weather.png"
+rm "$out"/weather_*.png "$out"/stats/weather_*.json
+show parrot parrot_wet --size 640x480 --camera closeup --distance 2.5 --time 0 --wetness 1
 # One structural feather from three angles, as Chen et al. 2026, Fig. 17.
 show single_feather feather_angle_0 --size 240x320 --feather macaw_blue --camera full
 show single_feather feather_angle_40 --size 240x320 --feather macaw_blue --camera full --turn 40

@@ -7,15 +7,15 @@ use crate::{
 };
 use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 
-/// Share of diffuse light that a smooth surface of water (refractive index 1.33) mirrors from outside (Judd 1942).
+/// Share of diffuse light that a smooth surface of water (refractive index 1.33) mirrors from outside (docs/book/weather.md, Judd 1942).
 const FILM_OUTSIDE: f32 = 0.066;
 /// The same from inside: 1 - (1 - [`FILM_OUTSIDE`]) / 1.33^2.
 const FILM_INSIDE: f32 = 0.472;
 /// Linear color of brown soil (Munsell 10YR 4/3).
 const SOIL: [f32; 3] = [0.159, 0.107, 0.058];
-/// Share of a vane that the thickest dirt covers.
+/// Share of a vane that the thickest dirt covers, chosen.
 const COVERED: f32 = 0.8;
-/// Share of the pigment that a feather loses until it is molted.
+/// Share of the pigment that a feather loses until it is molted, chosen.
 const BLEACHED: f32 = 0.2;
 
 /// Water, dirt and age, each 0..1. With all of them 0 a feather is as its file says.

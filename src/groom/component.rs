@@ -193,6 +193,8 @@ pub struct PlumageCards {
     pub groom: Handle<Groom>,
     /// The feathers worn, in the groom's order.
     pub feathers: Vec<Handle<Feather>>,
+    /// The same feathers in the bird's weather, once or several times over; [`Card::feather`] counts on into them.
+    pub weathered: Vec<Handle<Feather>>,
     /// Regions and rows, in the order that [`Card::region`] counts. Without any, all cards are of one region of medium stiffness.
     pub regions: Arc<[CardRegion]>,
 }
@@ -209,8 +211,20 @@ impl PlumageCards {
             geometry: geometry.into(),
             groom: Handle::default(),
             feathers,
+            weathered: Vec::new(),
             regions: Arc::new([]),
         }
+    }
+
+    /// All feathers, as [`Card::feather`] counts them.
+    pub(crate) fn all_feathers(&self) -> impl Iterator<Item = &Handle<Feather>> {
+        self.feathers.iter().chain(&self.weathered)
+    }
+
+    /// The feather that a card wears, as it is without weather.
+    pub fn feather_of(&self, card: &Card) -> Option<&Handle<Feather>> {
+        let place = usize::from(card.feather).checked_rem(self.feathers.len())?;
+        self.feathers.get(place)
     }
 }
 

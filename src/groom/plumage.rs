@@ -295,6 +295,7 @@ fn finish(
             geometry: coat.geometry.clone(),
             groom: plumage.groom.clone(),
             feathers: job.feathers.clone().unwrap_or_default(),
+            weathered: Vec::new(),
             regions: coat.regions.clone(),
         };
         commands.entity(owner).despawn_related::<PlumageParts>();

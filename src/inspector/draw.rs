@@ -2,7 +2,10 @@
 
 use super::{
     command::Command,
-    panels::{feather_panel, groom_panel, plumage_panel, quality_panel, statistics_panel, toolbar},
+    panels::{
+        feather_panel, groom_panel, plumage_panel, quality_panel, statistics_panel, toolbar,
+        weather_panel,
+    },
     preview::{Preview, preview_panel},
     state::{Inspector, Tab},
 };
@@ -10,6 +13,7 @@ use crate::{
     anatomy::Feather,
     groom::{FeathersOf, Groom, Plumage, PlumageCards, PlumageState},
     render::FeatherQuality,
+    weathering::Weathering,
 };
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
@@ -28,6 +32,7 @@ pub(super) struct World<'w, 's> {
             Entity,
             &'static mut Plumage,
             Option<&'static mut FeatherQuality>,
+            Option<&'static mut Weathering>,
             Option<&'static Name>,
             &'static PlumageState,
         ),
@@ -155,11 +160,11 @@ fn choose_bird(ui: &mut egui::Ui, inspector: &mut Inspector, world: &World) {
     let selected = inspector
         .bird
         .and_then(|bird| world.birds.get(bird).ok())
-        .map_or_else(|| "no bird".to_owned(), |(e, _, _, name, _)| label(e, name));
+        .map_or_else(|| "no bird".to_owned(), |(e, .., name, _)| label(e, name));
     egui::ComboBox::from_id_salt("bird")
         .selected_text(selected)
         .show_ui(ui, |ui| {
-            for (entity, _, _, name, _) in &world.birds {
+            for (entity, .., name, _) in &world.birds {
                 ui.selectable_value(&mut inspector.bird, Some(entity), label(entity, name));
             }
         });
@@ -332,7 +337,7 @@ fn quality_tab(
     world: &mut World,
     commands: &mut Commands,
 ) {
-    let Some((entity, _, quality, ..)) = inspector
+    let Some((entity, _, quality, weathering, ..)) = inspector
         .bird
         .and_then(|bird| world.birds.get_mut(bird).ok())
     else {
@@ -340,19 +345,31 @@ fn quality_tab(
         return;
     };
     let mut new_quality = quality.as_deref().copied().unwrap_or_default();
-    let mut changed = false;
+    let mut new_weather = weathering.as_deref().cloned().unwrap_or_default();
+    let (mut changed, mut weather_changed) = (false, false);
     scroll(ui, |ui| {
         changed = quality_panel(ui, &inspector.fields, &mut new_quality);
+        ui.separator();
+        weather_changed = weather_panel(ui, &inspector.fields, &mut new_weather.weather);
     });
-    if !changed {
-        return;
-    }
-    match quality {
-        Some(mut quality) => {
-            quality.set_if_neq(new_quality);
+    if changed {
+        match quality {
+            Some(mut quality) => {
+                quality.set_if_neq(new_quality);
+            }
+            None => {
+                commands.entity(entity).insert(new_quality);
+            }
         }
-        None => {
-            commands.entity(entity).insert(new_quality);
+    }
+    if weather_changed {
+        match weathering {
+            Some(mut weathering) => {
+                weathering.set_if_neq(new_weather);
+            }
+            None => {
+                commands.entity(entity).insert(new_weather);
+            }
         }
     }
 }

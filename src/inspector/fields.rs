@@ -4,7 +4,7 @@
 //! colors are drawn here, so that a number shows its [`Parameter`]. The type registry is our own: the app's stays as it is.
 
 use crate::{
-    anatomy::Feather,
+    anatomy::{Feather, Weather},
     groom::{Groom, Segments, Span, Tint},
     parameter::Parameter,
     render::FeatherQuality,
@@ -38,6 +38,7 @@ impl Default for Fields {
         registry.register::<Feather>();
         registry.register::<Groom>();
         registry.register::<FeatherQuality>();
+        registry.register::<Weather>();
         registry.register_type_data::<bool, InspectorEguiImpl>();
         registry.register_type_data::<String, InspectorEguiImpl>();
         for registration in registry.iter_mut() {

@@ -50,6 +50,7 @@ pub use mirror::MirrorPlane;
 pub use panels::{
     FeatherPanel, GroomPanel, Part, Sample, Statistics, Tool, Toolbar, feather_panel, groom_panel,
     lobe_plot, pattern_editor, plumage_panel, quality_panel, statistics_panel, toolbar,
+    weather_panel,
 };
 #[cfg(feature = "photo")]
 pub use photo::{Photo, PhotoChoice, Photos, photo_panel};

@@ -57,12 +57,12 @@ pub(super) fn pick_by_mouse(
         let (Some(mesh), Some(pose)) = (posed.meshes.get(mesh), posed.pose(entity)) else {
             continue;
         };
-        let assets: Vec<_> = worn.feathers.iter().map(|f| feathers.get(f)).collect();
+        let assets: Vec<_> = worn.all_feathers().map(|f| feathers.get(f)).collect();
         let Some((card, uv, distance)) = pick_card(ray, worn, mesh, &pose, &assets) else {
             continue;
         };
         let record = &worn.cards[card];
-        let Some(feather) = worn.feathers.get(usize::from(record.feather)) else {
+        let Some(feather) = worn.feather_of(record) else {
             continue;
         };
         if nearest.as_ref().is_none_or(|(d, _)| distance < *d) {

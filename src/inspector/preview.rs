@@ -401,8 +401,7 @@ fn tint_of(
         return [0.3; 3];
     };
     let wears = |card: &&Card| {
-        worn.feathers
-            .get(usize::from(card.feather))
+        worn.feather_of(card)
             .is_some_and(|feather| feather.id() == id)
     };
     inspector

@@ -51,7 +51,7 @@ pub(super) fn mark_stale(
         };
         let stale =
             |feather: &Handle<Feather>| edited.contains(&feather.id()) || pictured(feather.id());
-        if cards.feathers.iter().any(stale) {
+        if cards.all_feathers().any(stale) {
             drawn.stale = true;
         }
     }
@@ -81,7 +81,7 @@ pub(super) fn prepare_fallback(
         if let Some(mut drawn) = drawn {
             drawn.stale = true;
         }
-        let assets = cards.feathers.iter().map(|handle| feathers.get(handle));
+        let assets = cards.all_feathers().map(|handle| feathers.get(handle));
         let Some(assets) = assets.collect::<Option<Vec<_>>>() else {
             continue;
         };

@@ -206,7 +206,7 @@ fn drop_unused(
 }
 
 fn feather_ids(cards: &PlumageCards) -> Vec<AssetId<Feather>> {
-    cards.feathers.iter().map(Handle::id).collect()
+    cards.all_feathers().map(Handle::id).collect()
 }
 
 /// Makes the material of every card mesh that has none, or whose cards are others now.

@@ -78,15 +78,14 @@ impl Plugin for WeatheringPlugin {
     }
 }
 
-/// On a card mesh whose feathers are weathered: what they are without.
+/// On a card mesh whose feathers are weathered: what they are without, and by what.
 #[derive(Component)]
 struct Weathered {
     asked: Weathering,
     clean: Arc<[Card]>,
     feathers: Vec<Handle<Feather>>,
-    /// The cards and feathers that are worn instead.
+    /// The cards that are worn instead.
     cards: Arc<[Card]>,
-    worn: Vec<Handle<Feather>>,
 }
 
 fn weather_feathers(
@@ -112,33 +111,23 @@ fn weather_feathers(
     for (entity, mut cards, roots, weathered, of) in &mut birds {
         let asked = weatherings.get(FeathersOf::owner(of, entity));
         let asked = asked.ok().filter(|asked| !asked.is_none());
-        // What the groom, the skin's color or the app have put there since is not weathered.
-        let (clean, own) = match &weathered {
-            Some(known) => (
-                if Arc::ptr_eq(&known.cards, &cards.cards) {
-                    known.clean.clone()
-                } else {
-                    cards.cards.clone()
-                },
-                if known.worn == cards.feathers {
-                    known.feathers.clone()
-                } else {
-                    cards.feathers.clone()
-                },
-            ),
-            None => (cards.cards.clone(), cards.feathers.clone()),
+        // What the skin's color or the app have put there since is not weathered.
+        let clean = match &weathered {
+            Some(known) if Arc::ptr_eq(&known.cards, &cards.cards) => known.clean.clone(),
+            _ => cards.cards.clone(),
         };
         let Some(asked) = asked else {
             if weathered.is_some() {
-                (cards.cards, cards.feathers) = (clean, own);
+                (cards.cards, cards.weathered) = (clean, Vec::new());
                 commands.entity(entity).remove::<Weathered>();
             }
             continue;
         };
+        let own = &cards.feathers;
         let current = weathered.as_ref().is_some_and(|known| {
             known.asked == *asked
                 && Arc::ptr_eq(&known.cards, &cards.cards)
-                && known.worn == cards.feathers
+                && known.feathers == *own
                 && !own.iter().any(|feather| changed.contains(&feather.id()))
                 && !asked
                     .mask
@@ -176,13 +165,12 @@ fn weather_feathers(
         else {
             continue;
         };
-        let mut worn = own.clone();
+        let mut worn = Vec::with_capacity(levels.len() * own.len());
         for (i, level) in levels.iter().enumerate() {
             let weather = asked.weather.scaled(*level);
             for (k, feather) in dry.iter().enumerate() {
                 let feather = feather.weathered(weather);
-                let known = weathered.as_ref().filter(|known| known.feathers == own);
-                let handle = match known.and_then(|known| known.worn.get((1 + i) * dry.len() + k)) {
+                let handle = match cards.weathered.get(i * dry.len() + k) {
                     Some(handle) => {
                         // Only its own birds have it.
                         let _ = feathers.insert(handle.id(), feather);
@@ -208,15 +196,13 @@ fn weather_feathers(
             .enumerate()
             .map(|(i, card)| weathered_card(card, share(i), &levels, own.len()))
             .collect();
-        cards.cards = weathered_cards.clone();
-        cards.feathers = worn.clone();
         commands.entity(entity).insert(Weathered {
             asked: asked.clone(),
             clean,
-            feathers: own,
-            cards: weathered_cards,
-            worn,
+            feathers: own.clone(),
+            cards: weathered_cards.clone(),
         });
+        (cards.cards, cards.weathered) = (weathered_cards, worn);
     }
 }
 

@@ -125,12 +125,6 @@ fn worn(app: &App, bird: Entity) -> &PlumageCards {
     app.world().get::<PlumageCards>(parts[0]).expect("cards")
 }
 
-/// Level of weather that a card's feather has been made for.
-fn level(app: &App, bird: Entity, card: &Card) -> usize {
-    usize::from(card.feather) / patch_groom(1).feathers.len().max(1)
-        * usize::from(worn(app, bird).feathers.len() > 1)
-}
-
 #[test]
 fn a_mask_says_where_and_the_way_back_is_exact() {
     let mut app = app();
@@ -166,7 +160,7 @@ fn a_mask_says_where_and_the_way_back_is_exact() {
     let check = |app: &App, turned: bool| {
         let (mut wet, mut dry) = (0, 0);
         let now = worn(app, bird);
-        assert_eq!(now.feathers.len(), 3);
+        assert_eq!((now.feathers.len(), now.weathered.len()), (1, 2));
         for (card, before) in now.cards.iter().zip(clean.cards.iter()) {
             // Not in the strip where the mask rises.
             if card.root.x.abs() < 0.1 * SIDE || card.root.x.abs() > 0.4 * SIDE {
@@ -174,7 +168,8 @@ fn a_mask_says_where_and_the_way_back_is_exact() {
             }
             if (card.root.x > 0.0) != turned {
                 wet += 1;
-                assert_eq!(level(app, bird, card), 2, "{}", card.root);
+                assert_eq!(card.feather, 2, "{}", card.root);
+                assert_eq!(now.feather_of(card), clean.feathers.first());
                 assert_eq!(card.tint, WET.color(before.tint));
             } else {
                 dry += 1;
@@ -194,12 +189,16 @@ fn a_mask_says_where_and_the_way_back_is_exact() {
     app.update();
     assert!(Arc::ptr_eq(&cards, &worn(&app, bird).cards));
     // A feather that is edited is worn wet, in the place of the old one.
-    let handles = worn(&app, bird).feathers.clone();
+    let handles: Vec<_> = [
+        &worn(&app, bird).feathers[..],
+        &worn(&app, bird).weathered[..],
+    ]
+    .concat();
     let mut feathers = app.world_mut().resource_mut::<Assets<Feather>>();
     feathers.get_mut(&handles[0]).expect("the feather").aspect *= 1.5;
     app.update();
     app.update();
-    assert_eq!(worn(&app, bird).feathers, handles);
+    assert_eq!(worn(&app, bird).weathered, handles[1..]);
     let aspect = |i: usize| {
         app.world()
             .resource::<Assets<Feather>>()
@@ -207,7 +206,7 @@ fn a_mask_says_where_and_the_way_back_is_exact() {
             .map(|feather| feather.aspect)
     };
     assert_eq!(aspect(0), aspect(2));
-    // Half as wet: by chance one card in two of those that a gray mask leaves between.
+    // Half as wet, and all over.
     app.world_mut()
         .entity_mut(bird)
         .insert(Weathering::new(Weather {
@@ -216,11 +215,11 @@ fn a_mask_says_where_and_the_way_back_is_exact() {
         }));
     app.update();
     let now = worn(&app, bird);
-    assert_eq!(now.feathers.len(), 2);
+    assert_eq!(now.weathered.len(), 1);
     assert!(now.cards.iter().all(|card| card.feather == 1));
     app.world_mut().entity_mut(bird).remove::<Weathering>();
     app.update();
     let now = worn(&app, bird);
-    assert_eq!(now.feathers, clean.feathers);
+    assert!(now.weathered.is_empty() && now.feathers == clean.feathers);
     assert!(Arc::ptr_eq(&now.cards, &clean.cards));
 }

@@ -4,6 +4,7 @@ use bevy_plumage::anatomy::Feather;
 use bevy_plumage::inspector::{
     Command, Document, FeatherPanel, Fields, GroomPanel, Sample, Session, Statistics, Toolbar,
     feather_panel, groom_panel, plumage_panel, quality_panel, statistics_panel, toolbar,
+    weather_panel,
 };
 use bevy_plumage::prelude::*;
 use egui_kittest::{
@@ -142,10 +143,12 @@ fn grooms_quality_and_statistics_draw() {
         errors: vec!["parrot.groom.ron: broken".into()],
         ..Sample::default()
     });
+    let mut weather = Weather::default();
     let mut harness = Harness::builder().with_size(SIZE).build_ui(move |ui| {
         let changed = groom_panel(ui, &fields, &mut panel, &mut seen.borrow_mut());
         assert!(!changed, "drawing changed the groom");
         assert!(!quality_panel(ui, &fields, &mut quality));
+        assert!(!weather_panel(ui, &fields, &mut weather));
         assert!(!plumage_panel(ui, &mut plumage, &PlumageState::default()));
         statistics_panel(ui, &statistics);
         count.set(count.get() + 1);
@@ -154,6 +157,7 @@ fn grooms_quality_and_statistics_draw() {
     assert!(drawn.get() > 0);
     for text in [
         "error budget",
+        "wetness",
         "density",
         "6250",
         "parrot.groom.ron: broken",

@@ -18,6 +18,7 @@ mod order;
 mod passes;
 mod picture;
 mod transparency;
+mod weather;
 mod wind;
 mod wind_motion;
 mod without_gpu;

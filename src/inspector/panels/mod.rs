@@ -14,6 +14,6 @@ pub use feather::{FeatherPanel, Part, feather_panel};
 pub use groom::{GroomPanel, Tool, groom_panel, plumage_panel};
 pub use layers::Swatch;
 pub use lobes::lobe_plot;
-pub use quality::quality_panel;
+pub use quality::{quality_panel, weather_panel};
 pub use statistics::{Sample, Statistics, statistics_panel};
 pub use toolbar::{Toolbar, toolbar};

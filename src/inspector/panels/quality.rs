@@ -1,6 +1,6 @@
-//! Error budget, transparency and debug views of one bird.
+//! Error budget, transparency and debug views of one bird, and its weather.
 
-use crate::{inspector::fields::Fields, render::FeatherQuality};
+use crate::{anatomy::Weather, inspector::fields::Fields, render::FeatherQuality};
 use bevy_egui::egui;
 
 /// Draws the widgets; whether the quality changed.
@@ -37,4 +37,13 @@ pub fn quality_panel(ui: &mut egui::Ui, fields: &Fields, quality: &mut FeatherQu
     ))
     .on_hover_text("The threshold of the LOD that the error budget comes to");
     changed
+}
+
+/// Draws the widgets of a bird's weather; whether it changed.
+pub fn weather_panel(ui: &mut egui::Ui, fields: &Fields, weather: &mut Weather) -> bool {
+    ["wetness", "dirt", "age"]
+        .into_iter()
+        .fold(false, |changed, name| {
+            fields.edit_field(ui, weather, name) | changed
+        })
 }
