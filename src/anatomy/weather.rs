@@ -14,7 +14,7 @@ const FILM_INSIDE: f32 = 0.472;
 /// Linear color of brown soil (Munsell 10YR 4/3).
 const SOIL: [f32; 3] = [0.159, 0.107, 0.058];
 /// Share of a vane that the thickest dirt covers, chosen.
-const COVERED: f32 = 0.8;
+const COVERED: f32 = 0.95;
 /// Share of the pigment that a feather loses until it is molted, chosen.
 const BLEACHED: f32 = 0.2;
 
