@@ -22,10 +22,14 @@ pub(super) struct Background {
     pub typical: f32,
     /// Nearly all (0.97) do.
     pub most: f32,
+    /// As [`Self::most`] for the smooth fit alone, where the ground was then found rough.
+    pub noise: f32,
     /// The same for [`hsv_distance`].
     pub most_hsv: f32,
     /// Color of lines that run from one side of the frame to the other (a grid, the joint of two planks).
     pub line: Option<[f32; 3]>,
+    /// Rough ground: one material from its own shadow to its brightest; factors on the color fitted.
+    pub light: Option<[f32; 2]>,
 }
 
 fn basis(p: Vec2) -> [f64; TERMS] {
@@ -92,6 +96,13 @@ pub(super) fn hsv_distance(a: [f32; 3], b: [f32; 3]) -> f32 {
     (a[0] - b[0]).hypot((a[1] - b[1]).hypot(a[2] - b[2]) * 1.5)
 }
 
+/// How many times as light a color is as another (in Oklab, whose values scale by the cube root of the light).
+fn light(color: [f32; 3], behind: [f32; 3]) -> f32 {
+    let weights = [1.0, CHROMA_WEIGHT.powi(2), CHROMA_WEIGHT.powi(2)];
+    let dot = |a: [f32; 3], b: [f32; 3]| (0..3).map(|c| weights[c] * a[c] * b[c]).sum::<f32>();
+    dot(color, behind) / dot(behind, behind).max(1e-4)
+}
+
 impl Background {
     /// Fits samples (place -1..1 over the photograph, color) by reweighted least squares: what lies far from the fit, as a
     /// feather that reaches the frame, loses its vote. `start` is a fit to begin with.
@@ -105,8 +116,10 @@ impl Background {
                 terms: middle.map(|m| [m, 0.0, 0.0, 0.0, 0.0, 0.0]),
                 typical: 0.0,
                 most: 0.0,
+                noise: 0.0,
                 most_hsv: 0.0,
                 line: None,
+                light: None,
             }
         });
         for _ in 0..8 {
@@ -147,6 +160,7 @@ impl Background {
         // Part of the samples may be feather after all: the noise is read off the nearer half (2.6 medians are the 0.99
         // quantile of a Rayleigh distribution).
         fit.most = (2.6 * fit.typical).min(quantile(&mut distances, 0.97));
+        fit.noise = fit.most;
         let mut cone: Vec<f32> = samples
             .iter()
             .step_by((samples.len() / 2000).max(1))
@@ -154,6 +168,40 @@ impl Background {
             .collect();
         fit.most_hsv = (2.6 * quantile(&mut cone, 0.5)).min(quantile(&mut cone, 0.97));
         fit
+    }
+
+    /// Takes a rough ground for one material in any light from its own shadow to its brightest: what was noise is no more.
+    pub fn roughen(&mut self, samples: &[(Vec2, [f32; 3])]) {
+        let mut lights: Vec<f32> = samples
+            .iter()
+            .map(|(place, color)| light(*color, self.at(*place)))
+            .collect();
+        self.light = Some([quantile(&mut lights, 0.01), quantile(&mut lights, 0.99)]);
+        let off = |hsv: bool| {
+            let mut values: Vec<f32> = samples
+                .iter()
+                .map(|(place, color)| {
+                    let behind = self.behind(*place, *color);
+                    if hsv {
+                        hsv_distance(*color, behind)
+                    } else {
+                        distance(*color, behind)
+                    }
+                })
+                .collect();
+            [quantile(&mut values, 0.5), quantile(&mut values, 0.97)]
+        };
+        let ([typical, most], [_, most_hsv]) = (off(false), off(true));
+        (self.typical, self.most, self.most_hsv) = (typical, most, most_hsv);
+    }
+
+    /// Color of the background that comes nearest to a color at a place.
+    pub fn behind(&self, place: Vec2, color: [f32; 3]) -> [f32; 3] {
+        let behind = self.at(place);
+        self.light.map_or(behind, |[low, high]| {
+            let light = light(color, behind).clamp(low, high);
+            behind.map(|value| value * light)
+        })
     }
 
     /// Looks for lines: colors off the background that opposite sides of the frame have in common. `ring` are samples

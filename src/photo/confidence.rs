@@ -65,6 +65,9 @@ pub enum Doubt {
     /// Only the back was seen.
     #[error("the back was photographed, the front is taken to have its color")]
     BackSeen,
+    /// A hand or a clamp that reaches the picture's border hides the end by which it holds the feather.
+    #[error("held by what reaches the picture's border: the end there is hidden")]
+    Held,
     /// A shadow lies along the outline.
     #[error("shadow along {0:.2} of the outline")]
     Shadow(f32),

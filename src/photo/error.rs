@@ -91,6 +91,35 @@ pub enum ExtractError {
         /// What was seen instead.
         reason: String,
     },
+    /// The ground is rough (a wall of rock, grass, gravel), and what stands out of it is not surely a feather. What reaches the
+    /// picture's border as one thing, as a hand does, has no contrast here.
+    #[error(
+        "the ground is too rough to tell a feather from it: its noise is {noise:.2} in lightness (up to {even:.2} is even), and the {measure} of what stands out is {value:.2}, allowed is {least:.2} to 1; photograph the feather against something plainer or of another color"
+    )]
+    RoughGround {
+        /// Noise of the ground, in Oklab's lightness.
+        noise: f32,
+        /// Most noise of a ground that is even.
+        even: f32,
+        /// What was too low: the contrast of color (how much of what is feather and what ground the colors tell, 0..1), or the
+        /// confidence ([`Confidence::overall`](super::Confidence::overall)).
+        measure: &'static str,
+        /// Value found.
+        value: f32,
+        /// Least value.
+        least: f32,
+    },
+    /// A hand, or something else that reaches the picture's border, touches the feather, and its colors are too much like the
+    /// feather's to tell where it ends.
+    #[error(
+        "what holds the feather touches it, reaches the picture's border and is told from it by color to {apart:.2} only, at least {least:.2} is needed; lay the feather down, or hold it with something of another color"
+    )]
+    Held {
+        /// How much of what is feather and what holds it the colors tell, 0..1.
+        apart: f32,
+        /// Least difference allowed.
+        least: f32,
+    },
     /// More than one object of comparable size, and none was chosen (`ExtractSettings::object`).
     #[error("{} objects of comparable size: {}; choose one, or crop the photograph to it", objects.len(), list(objects))]
     SeveralObjects {

@@ -17,6 +17,8 @@ mod color;
 mod confidence;
 mod edge;
 mod error;
+mod find;
+mod held;
 mod load;
 mod loader;
 mod objects;

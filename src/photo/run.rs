@@ -4,7 +4,7 @@ use super::{
     Confidence, Doubt, ExtractError, ExtractSettings, Extraction, Face, Progress, ScoreMap, Stage,
     assemble, axis,
     barbs::Barbs,
-    load, outline, paint,
+    find, load, outline, paint,
     prepare::{self, Photo},
     raster,
     score::{self, Score},
@@ -17,6 +17,8 @@ use image::{DynamicImage, GrayImage, Luma};
 
 /// Most pixels held of the photograph at its own resolution, for barbs.
 const DETAIL_PIXELS: f32 = 24e6;
+/// Least confidence of a feather on rough ground.
+const ROUGH_CONFIDENCE: f32 = 0.15;
 /// Points of the shaft that are returned.
 const SHAFT_POINTS: usize = 256;
 
@@ -33,8 +35,9 @@ pub fn extract(
     progress(Progress::begin(Stage::Prepare));
     progress(Progress::begin(Stage::Segment));
     let mut cut = silhouette::silhouette(photograph, settings, None, &mut confidence)?;
+    check_ground(&cut, &confidence)?;
     progress(Progress::begin(Stage::Contour));
-    let mut quill = quill_end(&cut.mask);
+    let mut quill = quill(&cut);
     if quill < 0.0 {
         cut = cut.turned();
         quill = -quill;
@@ -46,7 +49,7 @@ pub fn extract(
         for turn in [0.0, 0.25, 0.5, 0.75].map(|turn| turn * std::f32::consts::PI) {
             let mut doubts = Confidence::default();
             let other = silhouette::silhouette(photograph, settings, Some(turn), &mut doubts)?;
-            let toward = quill_end(&other.mask);
+            let toward = self::quill(&other);
             let other = if toward < 0.0 { other.turned() } else { other };
             if let Ok(found) = find_shaft(&other)
                 && found.1.clear > shaft.clear + 0.1
@@ -94,6 +97,8 @@ pub fn extract(
         Face::Back => [Side::Right, Side::Left],
     };
     let measured = [0, 1].map(|slot: usize| barbs.measure(sides[slot], slot, &mut confidence));
+
+    check_ground(&cut, &confidence)?;
 
     progress(Progress::begin(Stage::Albedo));
     let card = assemble::card(&cut, &shaft, settings.face);
@@ -161,6 +166,28 @@ fn find_shaft(cut: &Silhouette) -> Result<(Score, Shaft), ExtractError> {
         reason: "no way through from end to end".to_owned(),
     })?;
     Ok((map, shaft))
+}
+
+/// Refuses what is too doubtful on rough ground.
+fn check_ground(cut: &Silhouette, confidence: &Confidence) -> Result<(), ExtractError> {
+    if cut.noise <= find::ROUGH || confidence.overall() >= ROUGH_CONFIDENCE {
+        return Ok(());
+    }
+    Err(ExtractError::RoughGround {
+        noise: cut.noise,
+        even: find::ROUGH,
+        measure: "confidence",
+        value: confidence.overall(),
+        least: ROUGH_CONFIDENCE,
+    })
+}
+
+/// Which end is the quill, as [`quill_end`], or as it is held.
+fn quill(cut: &Silhouette) -> f32 {
+    cut.held.map_or_else(
+        || quill_end(&cut.mask),
+        |at| (cut.view.view(at).y - 0.5 * cut.view.height as f32).signum(),
+    )
 }
 
 /// Which end is the quill: positive when it is the lower one, about -1..1. A quill is narrow for long, and as wide at its very

@@ -334,7 +334,7 @@ pub(super) fn segment(
     let (width, height) = (lab.width(), lab.height());
     let behind: Vec<[f32; 3]> = (0..height)
         .flat_map(|y| (0..width).map(move |x| (x, y)))
-        .map(|(x, y)| background.at(place(x, y)))
+        .map(|(x, y)| background.behind(place(x, y), lab.at(y * width + x)))
         .collect();
     let inside = |i: usize| valid.is_none_or(|v| v.data[i] > 0.0);
     let mut far = Plane::new(width, height, 0.0);

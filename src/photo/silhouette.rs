@@ -4,6 +4,8 @@ use super::{
     Confidence, Doubt, ExtractError, ExtractSettings,
     background::Background,
     color::Lab,
+    find::{Found, find, place},
+    held::{Held, nearer, without},
     objects::{Overview, choose},
     outline,
     prepare::{Photo, View, denoise},
@@ -14,10 +16,12 @@ use bevy::math::Vec2;
 use image::{DynamicImage, GrayImage, Luma, RgbaImage};
 use imageproc::{distance_transform::Norm, morphology};
 
+/// Confidence left in a feather whose lower end a hand hides, and in one that has other colors where the border cuts it: it may be
+/// held by what they belong to.
+const HELD: f32 = 0.8;
+const BANDED: f32 = 0.7;
 /// Longest side of the view that finds the feather.
 const OVERVIEW: f32 = 800.0;
-/// Radius of thin lines in it.
-const OVERVIEW_OPEN: u8 = 2;
 /// Points of the refined outline, at most.
 const OUTLINE_POINTS: usize = 4096;
 
@@ -43,6 +47,10 @@ pub(super) struct Silhouette {
     pub far: Plane,
     /// Extent along the main direction over that across it.
     pub slender: f32,
+    /// Noise of the ground.
+    pub noise: f32,
+    /// Middle of what holds the feather, in pixels of the photograph.
+    pub held: Option<Vec2>,
 }
 
 impl Silhouette {
@@ -104,54 +112,6 @@ fn alpha_segment(image: &RgbaImage) -> Segment {
         shadow: 0.0,
         bitten: 0.0,
     }
-}
-
-/// Colors along the frame with their places, -1..1.
-fn ring(lab: &Lab) -> Vec<(Vec2, [f32; 3])> {
-    let (width, height) = (lab.width(), lab.height());
-    let thick = (width.min(height) / 40).clamp(2, 12);
-    let mut samples = Vec::new();
-    for y in 0..height {
-        for x in 0..width {
-            let edge = x.min(width - 1 - x).min(y.min(height - 1 - y));
-            if edge < thick && (x + y) % 2 == 0 {
-                samples.push((place(x, y, width, height), lab.at(y * width + x)));
-            }
-        }
-    }
-    samples
-}
-
-fn place(x: usize, y: usize, width: usize, height: usize) -> Vec2 {
-    Vec2::new(
-        (x as f32 + 0.5) / width as f32 * 2.0 - 1.0,
-        (y as f32 + 0.5) / height as f32 * 2.0 - 1.0,
-    )
-}
-
-/// The background from the frame first, then from all that is not feather.
-fn find_background(lab: &Lab) -> (Background, Segment) {
-    let (width, height) = (lab.width(), lab.height());
-    let at = |x, y| place(x, y, width, height);
-    let ring = ring(lab);
-    let mut background = Background::fit(&ring, None);
-    background.find_lines(&ring);
-    let mut found = segment(lab, &background, &at, None, [OVERVIEW_OPEN, 2], [0.0, 1.0]);
-    for _ in 0..2 {
-        let near = morphology::dilate(&found.mask, Norm::L2, 6);
-        let step = (width * height / 40_000).max(1);
-        let samples: Vec<_> = (0..width * height)
-            .step_by(step)
-            .filter(|&i| near.as_raw()[i] == 0)
-            .map(|i| (at(i % width, i / width), lab.at(i)))
-            .collect();
-        if samples.len() * step * 10 < width * height {
-            break;
-        }
-        background = Background::fit(&samples, Some(&background));
-        found = segment(lab, &background, &at, None, [OVERVIEW_OPEN, 2], [0.0, 1.0]);
-    }
-    (background, found)
 }
 
 /// Middle and main direction of a mask, and how slender it is (deviation along over across).
@@ -268,21 +228,22 @@ pub(super) fn silhouette(
     };
     let (image, _) = overview.look(&whole);
     let by_alpha = settings.use_alpha && cut_out(&image);
-    let (seen, found) = if by_alpha {
-        (None, alpha_segment(&image))
+    let (seen, held, mut found) = if by_alpha {
+        (None, Held::Free, alpha_segment(&image))
     } else {
         let lab = Lab::of(&denoise(&image));
-        let (background, found) = find_background(&lab);
-        let at = |i: usize| {
-            background.at(place(
-                i % whole.width,
-                i / whole.width,
-                whole.width,
-                whole.height,
-            ))
-        };
-        let behind: Vec<[f32; 3]> = (0..whole.width * whole.height).map(at).collect();
-        (Some((background, behind)), found)
+        let Found {
+            background,
+            segment,
+            held,
+        } = find(&lab)?;
+        let behind: Vec<[f32; 3]> = (0..whole.width * whole.height)
+            .map(|i| {
+                let (x, y) = (i % whole.width, i / whole.width);
+                background.behind(place(x, y, whole.width, whole.height), lab.at(i))
+            })
+            .collect();
+        (Some((background, behind)), held, segment)
     };
     let area = found.mask.as_raw().iter().filter(|&&m| m > 0).count();
     let share = area as f32 / (whole.width * whole.height) as f32;
@@ -297,11 +258,39 @@ pub(super) fn silhouette(
         });
     }
     let colors = Lab::of(&image);
+    let holder = match held {
+        Held::By(holder) => Some(holder),
+        Held::Unclear { apart, least } => return Err(ExtractError::Held { apart, least }),
+        Held::Banded => {
+            let doubt = Doubt::Shape("of other colors towards the picture's border");
+            confidence.one_feather.doubt(doubt, BANDED);
+            None
+        }
+        Held::Free | Held::Cut => None,
+    };
+    let holding = holder.as_ref().map(|holder| {
+        // Its surroundings are its own, too.
+        let feather = without(&found.mask, holder);
+        let around = nearer(holder, &feather);
+        found.mask = largest(&without(&found.mask, &around), 1).0;
+        found.all = without(&found.all, &around);
+        found.loose = without(&found.loose, &around);
+        around
+    });
     let overview = Overview {
         view: &whole,
         colors: seen.as_ref().map(|(_, behind)| (&colors, &behind[..])),
     };
-    let found = choose(&found, &overview, settings.object)?;
+    let mut found = choose(&found, &overview, settings.object)?;
+    if let Some(holding) = holding {
+        let foreign = found
+            .foreign
+            .get_or_insert_with(|| GrayImage::new(holding.width(), holding.height()));
+        for (pixel, own) in foreign.iter_mut().zip(holding.iter()) {
+            *pixel |= own;
+        }
+        confidence.one_feather.doubt(Doubt::Held, HELD);
+    }
     let background = seen.map(|(background, _)| background);
     if found.shadows > 0 {
         confidence
@@ -422,6 +411,12 @@ pub(super) fn silhouette(
         field: cut.field,
         far: cut.far,
         slender,
+        noise: background
+            .as_ref()
+            .map_or(0.0, |background| background.noise),
+        held: holder
+            .and_then(|holder| principal(&holder))
+            .map(|lie| whole.photo(lie.0)),
     })
 }
 
@@ -447,9 +442,9 @@ fn judge(
         if ratio < 4.0 {
             trust.doubt(Doubt::LowContrast(ratio), (ratio / 4.0).max(0.2));
         }
-        if background.most > 0.06 {
-            let factor = (0.06 / background.most).sqrt();
-            trust.doubt(Doubt::UnevenBackground(background.most), factor);
+        if background.noise > 0.06 {
+            let factor = (0.06 / background.noise).sqrt();
+            trust.doubt(Doubt::UnevenBackground(background.noise), factor);
         }
         if cut.shadow > 0.03 {
             trust.doubt(Doubt::Shadow(cut.shadow), 1.0 - cut.shadow.min(0.6));

@@ -2,6 +2,7 @@
 //! Damaged, strange and random pictures are errors or doubts, never a panic.
 //! No renderer is needed.
 
+mod held;
 mod loader;
 mod objects;
 mod robust;

@@ -68,6 +68,7 @@ impl Ground {
                 std::array::from_fn(|i| self.color[i] + (self.other[i] - self.color[i]) * share)
             }
             Background::Wood => self.wood(t, s),
+            Background::Rock => self.rock(t, s),
         }
     }
 
@@ -90,5 +91,47 @@ impl Ground {
             self.color[2] * value * (1.0 - warm),
         ]
         .map(|channel| channel.max(0.0))
+    }
+
+    /// Height of the rock: lumps down to grains, and ledges.
+    fn lumps(&self, x: f64, y: f64) -> f64 {
+        let octave = |i: u32| {
+            let scale = 3.0 * 2f64.powi(i as i32);
+            f64::from(self.noise(x * scale, y * scale, 0.37 * f64::from(i))) / scale.powf(0.85)
+        };
+        let ledge = f64::from(self.noise(x * 4.0, y * 7.0, 9.1));
+        (0..7).map(octave).sum::<f64>() + 0.03 * (ledge * 5.0).fract()
+    }
+
+    fn rock(&self, t: f64, s: f64) -> [f32; 3] {
+        let step = 0.0015;
+        let here = self.lumps(t, s);
+        let slope = |dt: f64, ds: f64| (self.lumps(t + dt, s + ds) - here) / step;
+        let (along, across) = (slope(step, 0.0), slope(0.0, step));
+        // A low lamp on the slopes, and hollows in the dark.
+        let facing = 0.3
+            + 0.7 * (1.0 - 0.4 * along + 0.25 * across).max(0.0)
+                / (1.0 + along * along + across * across).sqrt();
+        let hollow = (1.0 + 2.0 * here).clamp(0.25, 1.5);
+        // Cracks: where a warped field passes 0.
+        let warp = f64::from(self.noise(t * 6.0, s * 6.0, 21.4)) * 0.08;
+        let crack = |scale: f64, layer: f64, wide: f64| {
+            let field = f64::from(self.noise((t + warp) * scale, (s - warp) * scale, layer));
+            1.0 - 0.85 * (-(field / wide).powi(2)).exp()
+        };
+        let cracks = crack(3.1, 31.4, 0.018) * crack(7.7, 37.4, 0.022);
+        let value = (facing.min(1.8) * hollow * cracks) as f32;
+        // Iron in some places, gray in others.
+        let iron = (0.5
+            + 0.9 * self.noise(t * 5.0, s * 5.0, 41.4)
+            + 0.3 * self.noise(t * 40.0, s * 40.0, 43.4))
+        .clamp(0.0, 1.0);
+        let pale = 1.0 + 0.3 * self.noise(t * 9.0, s * 9.0, 47.4);
+        [
+            self.color[0] * value * pale * (1.0 + 0.15 * iron),
+            self.color[1] * value * pale,
+            self.color[2] * value * pale * (1.0 - 0.3 * iron),
+        ]
+        .map(|channel| channel.clamp(0.0, 1.0))
     }
 }

@@ -10,18 +10,21 @@
 mod camera;
 mod color;
 mod ground;
+mod hand;
 pub mod measure;
 mod pose;
 mod setting;
 mod sheet;
 mod truth;
 
+pub use hand::Hand;
 pub use pose::Pose;
 pub use setting::{Background, LEAST_CONTRAST, Light, Setting};
 pub use truth::{BarbTruth, PatternEdge, Truth};
 
 use bevy_plumage::anatomy::Feather;
 use ground::Ground;
+use hand::Fingers;
 use image::{GrayImage, ImageFormat, Luma, RgbImage};
 use sheet::Sheet;
 
@@ -60,6 +63,9 @@ impl Photograph {
         }
         compose(&mut planes, &alpha, &setting, &sheet);
         drop(alpha);
+        if let Some(hand) = &setting.hand {
+            hold(&mut planes, &mut mask, hand, &setting, &sheet.pose);
+        }
         let image = camera::develop(&mut planes, &setting);
         drop(planes);
         let jpeg = setting
@@ -145,6 +151,33 @@ fn compose(planes: &mut [Vec<f32>; 3], alpha: &[f32], setting: &Setting, sheet: 
             for c in 0..3 {
                 planes[c][i] = (planes[c][i] + (1.0 - alpha[i]) * behind[c] * dark) * level;
             }
+        }
+    }
+}
+
+/// Lays a hand with the shadow next to it over all, and takes what it hides out of the truth's mask.
+fn hold(
+    planes: &mut [Vec<f32>; 3],
+    mask: &mut GrayImage,
+    hand: &Hand,
+    setting: &Setting,
+    pose: &Pose,
+) {
+    let [width, height] = setting.size.map(|side| side as usize);
+    let fingers = Fingers::new(hand, setting, pose);
+    let seen: Vec<_> = (0..width * height)
+        .map(|i| fingers.at([(i % width) as f64 + 0.5, (i / width) as f64 + 0.5]))
+        .collect();
+    let cover: Vec<f32> = seen.iter().map(|(_, cover)| *cover).collect();
+    let away = [-setting.light.azimuth.sin(), setting.light.azimuth.cos()];
+    let near = 0.3 * (hand.thick * pose.scale) as f32;
+    let dark = shadow(&cover, [width, height], away.map(|axis| axis * near), near);
+    for (i, (skin, cover)) in seen.into_iter().enumerate() {
+        for (plane, skin) in planes.iter_mut().zip(skin) {
+            plane[i] = plane[i] * (1.0 - cover) * (1.0 - 0.5 * dark[i]) + skin * cover;
+        }
+        if cover >= 0.5 {
+            mask.put_pixel((i % width) as u32, (i / width) as u32, Luma([0]));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! How a synthetic photograph is taken: everything that the feather's file does not say.
 
-use super::{color, pose::Pose};
+use super::{Hand, color, pose::Pose};
 use bevy_plumage::anatomy::{Feather, Pattern};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -21,10 +21,12 @@ pub enum Background {
     Gradient,
     /// Colored card.
     Color,
+    /// A wall of rough rock: nobody lays a feather there to photograph it, so [`Self::ALL`] has it not.
+    Rock,
 }
 
 impl Background {
-    /// Every kind.
+    /// Every kind that a feather is laid on.
     pub const ALL: [Self; 6] = [
         Self::White,
         Self::Black,
@@ -89,6 +91,8 @@ pub struct Setting {
     pub exposure: f32,
     /// Factors on the color of the light.
     pub white_balance: [f32; 3],
+    /// What holds the feather.
+    pub hand: Option<Hand>,
     /// Seed of grain, noise and irregular barbs.
     pub seed: u64,
 }
@@ -121,6 +125,7 @@ impl Default for Setting {
             jpeg: Some(90),
             exposure: 0.9,
             white_balance: [1.0; 3],
+            hand: None,
             seed: 1,
         }
     }
@@ -276,6 +281,10 @@ fn ground(kind: Background, r: &mut Stream) -> [f32; 3] {
                 value * r.between(0.68, 0.9),
                 value * r.between(0.4, 0.75),
             ]
+        }
+        Background::Rock => {
+            let value = r.between(0.35, 0.55);
+            [value, value * 0.92, value * 0.82]
         }
         Background::Color => {
             let value = r.between(0.2, 0.8);
