@@ -40,7 +40,10 @@ fn mix(a: f32, b: f32, share: f32) -> f32 {
 impl Weather {
     /// Of this much of it, 0..1; what is no number counts as 0.
     pub(crate) fn scaled(&self, share: f32) -> Self {
-        let scale = |x: f32| (x * share).max(0.0).min(1.0);
+        let scale = |x: f32| {
+            let x = x * share;
+            if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) }
+        };
         Self {
             wetness: scale(self.wetness),
             dirt: scale(self.dirt),

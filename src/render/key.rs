@@ -41,7 +41,7 @@ pub enum DrawnCards {
     Mean,
 }
 
-/// What of thin layers ([`Iridescence`](crate::anatomy::Iridescence)) the shader knows. Their code is compiled for no bird that does
+/// What of thin layers ([`Iridescence`](crate::Iridescence)) the shader knows. Their code is compiled for no bird that does
 /// without.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ThinLayers {

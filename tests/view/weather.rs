@@ -16,8 +16,10 @@ fn wet_feathers_are_darker_and_dry_again() {
     let Some(mut stage) = Stage::with(WgpuSettings::default(), |_| ()) else {
         return;
     };
-    let mut quality = FeatherQuality::default();
-    quality.transparency = FeatherTransparency::Hashed;
+    let quality = FeatherQuality {
+        transparency: FeatherTransparency::Hashed,
+        ..default()
+    };
     let bird = spawn_patch(&mut stage, 60, Vec3::ZERO, quality);
     stage.settle();
     let dry = stage.picture();
