@@ -5,8 +5,8 @@ use super::{
     coats::Coats,
     component::{Plumage, PlumageState},
     error::MaskFlaw,
+    job::{GroomJob, Masks},
     mask_textures::{MaskTexture, PlumageMasks, SkinTexture},
-    plumage::GroomJob,
 };
 use crate::modified::modified;
 use bevy::{
@@ -19,9 +19,6 @@ use std::sync::Arc;
 /// On an entity with a plumage: the textures of its masks, kept so that changes of them are heard of.
 #[derive(Component)]
 pub(super) struct MaskImages(pub Vec<Handle<Image>>);
-
-/// The masks of a bird, with their textures.
-pub(super) type Masks = Vec<(Handle<Image>, MaskTexture)>;
 
 /// The textures that masks name.
 #[derive(SystemParam)]

@@ -9,7 +9,8 @@ use super::{
         PlumageParts, PlumageReady, PlumageState, PlumageSystems, SkinColors,
     },
     fan::{FanJoints, fan_rows},
-    mask_images::{MaskImages, MaskSource, Masks, follow_masks},
+    job::GroomJob,
+    mask_images::{MaskImages, MaskSource, follow_masks},
     mask_textures::PlumageMasks,
     skin_meshes::{SkinMeshes, SkinTarget},
     worn::{Worn, find_worn},
@@ -37,15 +38,6 @@ use bevy::{
     transform::components::GlobalTransform,
 };
 use std::hash::BuildHasher;
-
-/// A groom under way.
-#[derive(Component, Default)]
-pub(super) struct GroomJob {
-    feathers: Option<Vec<Handle<Feather>>>,
-    masks: Option<Masks>,
-    /// The skin, and the coat that it waits for.
-    waits: Option<(SkinTarget, CoatKey)>,
-}
 
 /// Loads groom assets and grooms every entity with a [`Plumage`]. One of the `PlumagePlugins`; needs
 /// [`AnatomyPlugin`](crate::anatomy::AnatomyPlugin) and Bevy's `MeshPlugin` before it.
