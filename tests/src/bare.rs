@@ -19,21 +19,21 @@ use bevy_plumage::{
 };
 use std::path::{Path, PathBuf};
 
-/// Corners of an icosahedron, none along an axis. The first six are both ends of three of its diagonals.
+/// Corners of an icosahedron, none along an axis.
 pub const DIRECTIONS: [Vec3; 12] = {
     const G: f32 = 1.618_034;
     [
         Vec3::new(0.0, 1.0, G),
-        Vec3::new(0.0, -1.0, -G),
-        Vec3::new(1.0, G, 0.0),
-        Vec3::new(-1.0, -G, 0.0),
-        Vec3::new(-G, 0.0, 1.0),
-        Vec3::new(G, 0.0, -1.0),
         Vec3::new(0.0, 1.0, -G),
         Vec3::new(0.0, -1.0, G),
+        Vec3::new(0.0, -1.0, -G),
+        Vec3::new(1.0, G, 0.0),
         Vec3::new(1.0, -G, 0.0),
         Vec3::new(-1.0, G, 0.0),
+        Vec3::new(-1.0, -G, 0.0),
         Vec3::new(G, 0.0, 1.0),
+        Vec3::new(-G, 0.0, 1.0),
+        Vec3::new(G, 0.0, -1.0),
         Vec3::new(-G, 0.0, -1.0),
     ]
 };
@@ -240,18 +240,12 @@ fn extent(stage: &Stage, owner: Entity) -> Option<(Vec3, f32)> {
     Some((middle, radius + scale * longest))
 }
 
-/// Counts in pictures from these directions of the pose it is in; the pictures go into a folder if one is named.
-pub fn count(
-    stage: &mut Stage,
-    subject: &Subject,
-    directions: &[Vec3],
-    save: Option<&PathBuf>,
-    found: &mut Bare,
-) {
+/// Counts in pictures from all [`DIRECTIONS`] of the pose it is in; the pictures go into a folder if one is named.
+pub fn count(stage: &mut Stage, subject: &Subject, save: Option<&PathBuf>, found: &mut Bare) {
     let Some((middle, radius)) = extent(stage, subject.owner) else {
         return;
     };
-    for (number, direction) in directions.iter().enumerate() {
+    for (number, direction) in DIRECTIONS.iter().enumerate() {
         let eye = middle + direction.normalize() * 4.0 * radius;
         let camera = stage.camera;
         stage.app.world_mut().entity_mut(camera).insert((

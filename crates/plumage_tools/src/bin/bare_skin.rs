@@ -6,7 +6,7 @@
 use clap::Parser;
 use plumage_tests::{
     app::Stage,
-    bare::{Bare, DIRECTIONS, PHASES, Subject, count, paint},
+    bare::{Bare, PHASES, Subject, count, paint},
 };
 use std::{
     path::{Path, PathBuf},
@@ -48,13 +48,7 @@ fn measure(args: &Args, file: &Path) -> Result<Bare, String> {
         if let Some(folder) = &folder {
             std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
         }
-        count(
-            &mut stage,
-            &subject,
-            &DIRECTIONS,
-            folder.as_ref(),
-            &mut bare,
-        );
+        count(&mut stage, &subject, folder.as_ref(), &mut bare);
     }
     Ok(bare)
 }
