@@ -5,7 +5,10 @@ use crate::{
     maths::scattering::{Fibre, Optics, Sheen},
     parameter::Parameter,
 };
-use bevy::reflect::{Reflect, std_traits::ReflectDefault};
+use bevy::{
+    math::FloatExt,
+    reflect::{Reflect, std_traits::ReflectDefault},
+};
 
 /// Share of diffuse light that a smooth surface of water (refractive index 1.33) mirrors from outside (docs/book/weather.md, Judd 1942).
 const FILM_OUTSIDE: f32 = 0.066;
@@ -33,10 +36,6 @@ pub struct Weather {
     pub age: f32,
 }
 
-fn mix(a: f32, b: f32, share: f32) -> f32 {
-    a + (b - a) * share
-}
-
 impl Weather {
     /// Of this much of it, 0..1; what is no number counts as 0.
     pub(crate) fn scaled(&self, share: f32) -> Self {
@@ -55,31 +54,32 @@ impl Weather {
     /// Water: of the light that the vane scatters, the film's surface mirrors a part back onto it, again and again
     /// (Ångström 1925, Lekner and Dorf 1988): `(1 - R) (1 - p) A / (1 - p A)`.
     pub fn color(&self, rgb: [f32; 3]) -> [f32; 3] {
+        let Self { wetness, dirt, age } = self.scaled(1.0);
         std::array::from_fn(|c| {
-            let bleached = rgb[c].clamp(0.0, 1.0).powf(1.0 - BLEACHED * self.age);
-            let dirty = mix(bleached, SOIL[c], COVERED * self.dirt);
+            let bleached = rgb[c].clamp(0.0, 1.0).powf(1.0 - BLEACHED * age);
+            let dirty = bleached.lerp(SOIL[c], COVERED * dirt);
             let wet =
                 (1.0 - FILM_OUTSIDE) * (1.0 - FILM_INSIDE) * dirty / (1.0 - FILM_INSIDE * dirty);
-            mix(dirty, wet, self.wetness)
+            dirty.lerp(wet, wetness)
         })
     }
 
     /// Water fills what is rough on a fibre and flattens its scales; dirt roughens it.
     fn fibre(&self, fibre: Fibre) -> Fibre {
-        let smooth = mix(fibre.longitudinal_roughness, 0.05, 0.7 * self.wetness);
+        let smooth = fibre.longitudinal_roughness.lerp(0.05, 0.7 * self.wetness);
         Fibre {
-            longitudinal_roughness: mix(smooth, smooth.max(0.5), self.dirt),
-            tilt: mix(fibre.tilt, 0.0, self.wetness),
+            longitudinal_roughness: smooth.lerp(smooth.max(0.5), self.dirt),
+            tilt: fibre.tilt * (1.0 - self.wetness),
             ..fibre
         }
     }
 }
 
 impl Feather {
-    /// The feather in this weather, instead of that which it was in. Its colors change where they are painted or looked up.
+    /// The clean feather in this weather. Its colors change where they are painted or looked up.
     pub fn weathered(&self, weather: Weather) -> Self {
-        let Weather { wetness, dirt, age } = weather.scaled(1.0);
-        let weather = Weather { wetness, dirt, age };
+        let weather = weather.scaled(1.0);
+        let Weather { wetness, dirt, age } = weather;
         let own = self.clumps;
         // Water pulls barbs together; few and deep, whatever clumps there were.
         let clumps = Clumps {
@@ -87,16 +87,11 @@ impl Feather {
             size: own.size.max(0.6 * wetness),
             depth: own.depth.max(0.85 * wetness),
             falloff: 1.0,
-            tip_bias: mix(own.tip_bias, 0.5, wetness),
+            tip_bias: own.tip_bias.lerp(0.5, wetness),
             variation: own.variation.max(0.6),
             seed: own.seed,
         };
-        let gaps = Gaps {
-            count: self.gaps.count + (8.0 * age).round() as u32,
-            width: mix(self.gaps.width, self.gaps.width.max(0.012), age),
-            depth: mix(self.gaps.depth, self.gaps.depth.max(0.5), age),
-            ..self.gaps
-        };
+        let gaps = self.gaps;
         let Optics {
             rachis,
             barb,
@@ -107,7 +102,12 @@ impl Feather {
         Self {
             clumps: if wetness > 0.0 { clumps } else { own },
             gaps: Gaps {
-                count: gaps.count.min(64),
+                count: gaps
+                    .count
+                    .saturating_add((8.0 * age).round() as u32)
+                    .min(64),
+                width: gaps.width.lerp(gaps.width.max(0.012), age),
+                depth: gaps.depth.lerp(gaps.depth.max(0.5), age),
                 ..gaps
             },
             optics: Optics {

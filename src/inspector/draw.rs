@@ -15,7 +15,7 @@ use crate::{
     render::FeatherQuality,
     weathering::Weathering,
 };
-use bevy::prelude::*;
+use bevy::{ecs::component::Mutable, prelude::*};
 use bevy_egui::{EguiContexts, egui};
 use std::path::{Path, PathBuf};
 
@@ -353,23 +353,26 @@ fn quality_tab(
         weather_changed = weather_panel(ui, &inspector.fields, &mut new_weather.weather);
     });
     if changed {
-        match quality {
-            Some(mut quality) => {
-                quality.set_if_neq(new_quality);
-            }
-            None => {
-                commands.entity(entity).insert(new_quality);
-            }
-        }
+        put(commands, entity, quality, new_quality);
     }
     if weather_changed {
-        match weathering {
-            Some(mut weathering) => {
-                weathering.set_if_neq(new_weather);
-            }
-            None => {
-                commands.entity(entity).insert(new_weather);
-            }
+        put(commands, entity, weathering, new_weather);
+    }
+}
+
+/// Replaces a component of the bird, or gives it one.
+fn put<C: Component<Mutability = Mutable> + PartialEq>(
+    commands: &mut Commands,
+    bird: Entity,
+    old: Option<Mut<C>>,
+    new: C,
+) {
+    match old {
+        Some(mut old) => {
+            old.set_if_neq(new);
+        }
+        None => {
+            commands.entity(bird).insert(new);
         }
     }
 }

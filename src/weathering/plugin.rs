@@ -26,8 +26,7 @@ const CHANCE: u64 = 0x7765_7400;
 
 /// Weather of one bird: put it beside `Plumage`, or on card meshes of the app's own. Change it and the feathers follow, without a new
 /// groom: their colors, their outlines (wet barbs cling together in clumps) and their gloss. Costs a GPU nothing by the fragment, and
-/// two more feathers for each of the bird's (one without a mask); its textures are painted anew with every change, which takes some
-/// milliseconds. Down below the feathers stays dry.
+/// two more feathers for each of the bird's (one without a mask); they are painted and packed anew with every change. Down below the feathers stays dry.
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Weathering {
@@ -54,8 +53,21 @@ impl Weathering {
         self
     }
 
-    fn is_none(&self) -> bool {
+    fn is_clean(&self) -> bool {
         self.weather.scaled(1.0) == Weather::default()
+    }
+
+    /// The weathers that feathers are made for; `None` where a device with room for `most` feathers has none for that many.
+    fn levels(&self, feathers: usize, most: usize) -> Option<Vec<Weather>> {
+        let fit = |levels: &&[f32]| (1 + levels.len()) * feathers <= most;
+        let first = usize::from(self.mask.is_none());
+        let shares = [&LEVELS[first..], &LEVELS[1..]].into_iter().find(fit)?;
+        Some(
+            shares
+                .iter()
+                .map(|share| self.weather.scaled(*share))
+                .collect(),
+        )
     }
 }
 
@@ -88,6 +100,14 @@ struct Weathered {
     cards: Arc<[Card]>,
 }
 
+impl Weathered {
+    fn is_current(&self, asked: &Weathering, cards: &PlumageCards) -> bool {
+        self.asked == *asked
+            && self.feathers == cards.feathers
+            && Arc::ptr_eq(&self.cards, &cards.cards)
+    }
+}
+
 fn weather_feathers(
     mut commands: Commands,
     mut feather_events: MessageReader<AssetEvent<Feather>>,
@@ -101,21 +121,19 @@ fn weather_feathers(
         Entity,
         &mut PlumageCards,
         Option<&CardRoots>,
-        Option<&mut Weathered>,
+        Option<&Weathered>,
         Option<&FeathersOf>,
     )>,
 ) {
-    let (changed, pictures) = (modified(&mut feather_events), modified(&mut image_events));
+    let (edited, painted) = (modified(&mut feather_events), modified(&mut image_events));
     let most =
         device.map_or(64, |device| device.limits().max_texture_array_layers) as usize / LAYERS;
     for (entity, mut cards, roots, weathered, of) in &mut birds {
         let asked = weatherings.get(FeathersOf::owner(of, entity));
-        let asked = asked.ok().filter(|asked| !asked.is_none());
+        let asked = asked.ok().filter(|asked| !asked.is_clean());
         // What the skin's color or the app have put there since is not weathered.
-        let clean = match &weathered {
-            Some(known) if Arc::ptr_eq(&known.cards, &cards.cards) => known.clean.clone(),
-            _ => cards.cards.clone(),
-        };
+        let clean = weathered.filter(|known| Arc::ptr_eq(&known.cards, &cards.cards));
+        let clean = clean.map_or_else(|| cards.cards.clone(), |known| known.clean.clone());
         let Some(asked) = asked else {
             if weathered.is_some() {
                 (cards.cards, cards.weathered) = (clean, Vec::new());
@@ -124,67 +142,28 @@ fn weather_feathers(
             continue;
         };
         let own = &cards.feathers;
-        let current = weathered.as_ref().is_some_and(|known| {
-            known.asked == *asked
-                && Arc::ptr_eq(&known.cards, &cards.cards)
-                && known.feathers == *own
-                && !own.iter().any(|feather| changed.contains(&feather.id()))
-                && !asked
-                    .mask
-                    .as_ref()
-                    .is_some_and(|mask| pictures.contains(&mask.id()))
-        });
-        if current {
+        let repainted = asked.mask.as_ref().map(Handle::id);
+        let stale = repainted.is_some_and(|mask| painted.contains(&mask))
+            || own.iter().any(|feather| edited.contains(&feather.id()));
+        if !stale && weathered.is_some_and(|known| known.is_current(asked, &cards)) {
             continue;
         }
-        let mut levels: &[f32] = &LEVELS;
-        if asked.mask.is_none() || (1 + levels.len()) * own.len() > most {
-            levels = &LEVELS[1..];
-        }
-        if (1 + levels.len()) * own.len() > most {
+        let Some(levels) = asked.levels(own.len(), most) else {
             if weathered.is_none_or(|known| known.asked != *asked) {
-                warn!(
-                    "{} feathers have no weather: the device has room for {most} in all",
-                    own.len()
-                );
+                let count = own.len();
+                warn!("{count} feathers have no weather: the device has room for {most} in all");
             }
             continue;
-        }
-        let mask = match &asked.mask {
-            None => None,
-            Some(mask) => match (images.get(mask), server.load_state(mask).is_failed()) {
-                (None, false) => continue,
-                // The server has said so; then the weather is all over.
-                (found, _) => found,
-            },
         };
-        let Some(dry) = own
-            .iter()
-            .map(|feather| feathers.get(feather).cloned())
-            .collect::<Option<Vec<_>>>()
-        else {
+        let mask = asked.mask.as_ref().and_then(|mask| images.get(mask));
+        // The server tells of a mask that does not come; then the weather is all over.
+        let comes = |mask: &Handle<Image>| !server.load_state(mask).is_failed();
+        if mask.is_none() && asked.mask.as_ref().is_some_and(comes) {
+            continue;
+        }
+        let Some(worn) = weathered_feathers(&cards, &levels, &mut feathers) else {
             continue;
         };
-        let mut worn = Vec::with_capacity(levels.len() * own.len());
-        for (i, level) in levels.iter().enumerate() {
-            let weather = asked.weather.scaled(*level);
-            for (k, feather) in dry.iter().enumerate() {
-                let feather = feather.weathered(weather);
-                let handle = match cards.weathered.get(i * dry.len() + k) {
-                    Some(handle) => {
-                        // Only its own birds have it.
-                        let _ = feathers.insert(handle.id(), feather);
-                        handle.clone()
-                    }
-                    None => feathers.add(feather),
-                };
-                worn.push(handle);
-            }
-        }
-        let levels: Vec<Weather> = levels
-            .iter()
-            .map(|level| asked.weather.scaled(*level))
-            .collect();
         let share = |i: usize| match (mask, roots) {
             (Some(mask), Some(CardRoots { skin, roots })) => roots
                 .get(i)
@@ -204,6 +183,31 @@ fn weather_feathers(
         });
         (cards.cards, cards.weathered) = (weathered_cards, worn);
     }
+}
+
+/// The feathers of a bird in the weather of each level, in place of those it has already; none before all are loaded.
+fn weathered_feathers(
+    cards: &PlumageCards,
+    levels: &[Weather],
+    feathers: &mut Assets<Feather>,
+) -> Option<Vec<Handle<Feather>>> {
+    let clean = cards.feathers.iter().map(|own| feathers.get(own).cloned());
+    let clean = clean.collect::<Option<Vec<_>>>()?;
+    let weathered = levels
+        .iter()
+        .flat_map(|level| clean.iter().map(|own| own.weathered(*level)));
+    let mut worn = Vec::with_capacity(levels.len() * clean.len());
+    for (i, feather) in weathered.enumerate() {
+        worn.push(match cards.weathered.get(i) {
+            Some(handle) => {
+                // No other bird has it, so it is there.
+                let _ = feathers.insert(handle, feather);
+                handle.clone()
+            }
+            None => feathers.add(feather),
+        });
+    }
+    Some(worn)
 }
 
 /// A card with so much weather, 0..1: of `count` feathers the clean ones come first, then those of each level.

@@ -132,7 +132,7 @@ fn measures_see_displacements() {
     assert_eq!(flat.lost, 1.0);
 }
 
-/// A slice of the photographs that `extract_charts` reports on, every `step`th of 24: every fifth preset, small enough to take moments.
+/// A slice of the photographs that `photo_charts` reports on, every `step`th of 24: every fifth preset, small enough to take moments.
 fn slice(step: u64) -> Vec<Case> {
     let feathers = plumage_tests::shipped::photographed();
     (0..24 / step)
@@ -198,7 +198,7 @@ fn extraction_of_a_whole_slice() {
 }
 
 /// The targets for outline and shaft over the whole range, on photographs at their own size that no parameter was tuned on; as
-/// `extract_charts --corpus FOLDER 500 200000`.
+/// `photo_charts --corpus FOLDER 500 200000`.
 #[test]
 #[ignore = "many minutes: `make test-long`"]
 fn outline_over_the_whole_range() {

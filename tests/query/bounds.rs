@@ -64,7 +64,7 @@ fn stated_bounds_hold() {
     }
 }
 
-/// `cargo test --release --test query_bounds -- --ignored --nocapture`: some ten minutes on two cores.
+/// Minutes.
 #[test]
 #[ignore = "a million footprints: `make test-long`"]
 fn stated_bounds_hold_a_million_times() {

@@ -4,6 +4,7 @@ use super::mips::append_with_mips;
 use crate::anatomy::{Feather, Pattern, Weather};
 use bevy::{
     asset::RenderAssetUsages,
+    color::ColorToPacked,
     image::{ImageSampler, ImageSamplerDescriptor},
     prelude::*,
     render::render_resource::{
@@ -86,12 +87,13 @@ fn weathered(feather: &Feather, mut face: Vec<u8>) -> Vec<u8> {
     for texel in face.chunks_exact_mut(4) {
         let color = Color::srgb_u8(texel[0], texel[1], texel[2]).to_linear();
         let [r, g, b] = feather.weather.color([color.red, color.green, color.blue]);
-        let color = Color::linear_rgb(r, g, b).to_srgba();
-        let bytes =
-            [color.red, color.green, color.blue].map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8);
-        texel[..3].copy_from_slice(&bytes);
+        texel[..3].copy_from_slice(&srgb_bytes([r, g, b]));
     }
     face
+}
+
+fn srgb_bytes([red, green, blue]: [f32; 3]) -> [u8; 3] {
+    Srgba::from(LinearRgba::rgb(red, green, blue)).to_u8_array_no_alpha()
 }
 
 /// An image of any size as RGBA8 of the albedo's size, by the mean of the pixels that fall on each texel; its alpha counts as
@@ -115,11 +117,7 @@ fn resample(image: &Image, width: u32, height: u32) -> Option<Vec<u8>> {
                 }
             }
             let mean = sum / count;
-            let color = Color::linear_rgb(mean.x, mean.y, mean.z).to_srgba();
-            out.extend(
-                [color.red, color.green, color.blue]
-                    .map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8),
-            );
+            out.extend(srgb_bytes(mean.to_array()));
             out.push(0);
         }
     }
