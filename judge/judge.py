@@ -82,12 +82,17 @@ def tangents(vane):
 class Judge:
     def __init__(self, paths, cache):
         self.paths, self.cache = paths, cache
-        self.bodies = {}
+        self.made, self.found = {}, {}
         if cache:
             os.makedirs(cache, exist_ok=True)
 
     def kept(self, name, run):
-        """The result of `run`, from the cache where it is there."""
+        """The result of `run`, found once, and from the cache where it is there."""
+        if name not in self.found:
+            self.found[name] = self.cached(name, run)
+        return self.found[name]
+
+    def cached(self, name, run):
         file = self.cache and os.path.join(self.cache, name + ".npz")
         if file and os.path.exists(file):
             return dict(np.load(file))
@@ -98,15 +103,21 @@ class Judge:
             np.savez(file, **small)
         return result
 
+    def bodies(self, vane):
+        """The vane in each of its phases."""
+        from vane import PHASES, vane_body
+
+        if vane.name not in self.made:
+            self.made[vane.name] = [vane_body(vane, phase) for phase in PHASES]
+        return self.made[vane.name]
+
     def vane(self, vane, eye):
         def run():
             from trace import vane_paths
-            from vane import vane_body
 
-            if vane.name not in self.bodies:
-                self.bodies[vane.name] = vane_body(vane)
-            found = vane_paths(vane, self.bodies[vane.name], EYES[eye], self.paths, 7)
-            return {k: v for k, v in found.items() if k != "count"}
+            share = self.paths // len(self.bodies(vane))
+            found = [vane_paths(vane, body, EYES[eye], share, 7 + k) for k, body in enumerate(self.bodies(vane))]
+            return {k: np.concatenate([one[k] for one in found]) for k in found[0] if k != "count"}
 
         return self.kept(f"{vane.name}_{eye}", run)
 
@@ -164,6 +175,13 @@ def light_rows(judge, vane):
             w = weight(vane.fibre, color, length, turns)
             share = lambda mask: (w * mask).sum() / covered.sum()
             yield ["furnace", vane.name, color, *eye, share(one), share(covered)]
+            again, later = share(covered & (paths["met"] > 1)), share(covered & (paths["met"] > 2))
+            alone = share(covered & (paths["met"] > 1) & paths["parallel"].astype(bool))
+            print(
+                f"{vane.name} {color} {eye_name}: {again:.3f} met several fibres, {later / again:.3f} of it more than two,"
+                f" {alone / again:.3f} parallel ones alone",
+                flush=True,
+            )
             for light_name, light in LIGHTS.items():
                 inside = paths["direction"] @ np.array(light) > math.cos(CONE)
                 row = []
@@ -207,25 +225,24 @@ def fibre_rows(judge):
 def coverage_rows(judge, vane):
     """First hits alone."""
     from trace import eye_rays
-    from vane import vane_body
 
     import mitsuba as mi
 
-    body = judge.bodies.get(vane.name) or vane_body(vane, 520.0)
-    owners = np.array(body.owner)
-    parts = np.array(body.part)
     for axis in "xy":
         for angle in (0, 15, 30, 45, 60, 75, 80):
             for back in (False, True):
                 if angle == 0 and axis == "y":
                     continue
                 eye = direction(angle, axis, back)
-                o, d, n = eye_rays(vane, eye, 250000, 5)
-                hit = body.scene.ray_intersect_preliminary(mi.Ray3f(o, d), coherent=False)
-                valid, prim = np.array(hit.is_valid()), np.array(hit.prim_index)
-                part = np.full(n, 3)
-                part[valid] = parts[owners[prim[valid]]]
-                yield ["coverage", vane.name, *eye, *((part == k).mean() for k in range(3))]
+                shares = []
+                for seed, body in enumerate(judge.bodies(vane)):
+                    o, d, n = eye_rays(vane, eye, 62500, 5 + seed)
+                    hit = body.scene.ray_intersect_preliminary(mi.Ray3f(o, d), coherent=False)
+                    valid, prim = np.array(hit.is_valid()), np.array(hit.prim_index)
+                    part = np.full(n, 3)
+                    part[valid] = np.array(body.part)[np.array(body.owner)[prim[valid]]]
+                    shares.append([(part == k).mean() for k in range(3)])
+                yield ["coverage", vane.name, *eye, *np.mean(shares, axis=0)]
 
 
 def main():

@@ -10,7 +10,7 @@ import numpy as np
 @dr.syntax
 def walk(body, fibre, position, direction, seed, lattice, most=160):
     """Follows rays until they escape. Returns escape direction, absorbing length (in radii of the fibre passed), core hits,
-    fibres met, first tube, alive flag (True: never escaped)."""
+    fibres met, first tube, alive flag (True: never escaped), whether all fibres met were parallel."""
     n = dr.width(position)
     rng = mi.PCG32(n, seed)
     o, d = mi.Point3f(position), mi.Vector3f(direction)
@@ -18,6 +18,7 @@ def walk(body, fibre, position, direction, seed, lattice, most=160):
     tube = dr.zeros(mi.UInt32, n)
     first = dr.full(mi.UInt32, 0xFFFFFFFF, n)
     met = dr.zeros(mi.UInt32, n)
+    parallel = dr.full(mi.Bool, True, n)
     length = dr.zeros(mi.Float, n)
     turns = dr.zeros(mi.UInt32, n)
     active = dr.full(mi.Bool, True, n)
@@ -72,6 +73,8 @@ def walk(body, fibre, position, direction, seed, lattice, most=160):
         length += dr.select(within, way / r, 0.0)
         first = dr.select(outer & (met == 0), hit, first)
         met += dr.select(outer, 1, 0)
+        of_first = dr.gather(mi.UInt32, body.tube_part, first, outer)
+        parallel &= ~outer | (dr.gather(mi.UInt32, body.tube_part, hit, outer) == of_first)
         tube = hit
         if dr.hint(fibre.lambert, mode="scalar"):
             facing = dr.select(dr.dot(si.n, d) < 0, 1.0, -1.0)
@@ -85,7 +88,7 @@ def walk(body, fibre, position, direction, seed, lattice, most=160):
         o = dr.select(active, dr.select(stays, o + d * way, si.p + si.n * (side * 1e-4 * r)), o)
         d = dr.select(active, dr.select(stays, turned, world), d)
         inside = dr.select(wall, side < 0, inside)
-    return d, length, turns, met, first, active
+    return d, length, turns, met, first, active, parallel
 
 
 def eye_rays(vane, eye, count, seed):
@@ -111,7 +114,7 @@ def vane_paths(vane, body, eye, count, seed):
 
 
 def paths(body, fibre, o, d, seed, lattice):
-    out, length, turns, met, first, lost = walk(body, fibre, o, d, seed, lattice)
+    out, length, turns, met, first, lost, parallel = walk(body, fibre, o, d, seed, lattice)
     first = np.array(first)
     seen = first != 0xFFFFFFFF
     part = np.full(len(first), 3)
@@ -121,6 +124,7 @@ def paths(body, fibre, o, d, seed, lattice):
         "length": np.array(length),
         "turns": np.array(turns),
         "met": np.array(met),
+        "parallel": np.array(parallel),
         "part": part,
         "lost": np.array(lost),
         "count": len(first),

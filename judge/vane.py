@@ -7,6 +7,8 @@ import mitsuba as mi
 import numpy as np
 
 FACETS = 64
+# Where proximal barbules lie among the distal ones, in spacings: a vane has no fixed place, so means over these.
+PHASES = (0.0, 0.25, 0.5, 0.75)
 BARB, DISTAL, PROXIMAL = 0, 1, 2
 PARTS = ("barb", "distal", "proximal")
 
@@ -117,7 +119,7 @@ class Body:
         self.radius = mi.Float(np.array(radius, np.float32))
 
 
-def vane_body(vane, half=420.0):
+def vane_body(vane, phase=0.0, half=420.0):
     """The vane around the origin: x across the barbs, y along them, z out of the front."""
     sin, cos = math.sin(math.radians(vane.barbule_angle)), math.cos(math.radians(vane.barbule_angle))
     barbs = math.ceil(half / vane.period)
@@ -131,7 +133,7 @@ def vane_body(vane, half=420.0):
         cuts = (low + vane.barb_radius, low + vane.period - vane.barb_radius)
         for part, owner, sign in ((DISTAL, k, 1.0), (PROXIMAL, k + 1, -1.0)):
             x = owner * vane.period
-            first = owner * vane.root_step
+            first = owner * vane.root_step + (phase * vane.spacing if part == PROXIMAL else 0.0)
             z = sign * vane.lift
             n0 = math.ceil((-half - long - first) / vane.spacing)
             n1 = math.floor((half - first) / vane.spacing)

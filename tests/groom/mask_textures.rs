@@ -2,16 +2,14 @@
 //! they cannot serve.
 
 use bevy::{
-    asset::{AssetPlugin, LoadState, RenderAssetUsages},
+    asset::{LoadState, RenderAssetUsages},
     image::{CompressedImageFormats, ImageLoader},
-    mesh::MeshPlugin,
     prelude::*,
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
-use bevy_plumage::anatomy::AnatomyPlugin;
 use bevy_plumage::asset::RonAsset;
 use bevy_plumage::groom::*;
-use plumage_tests::{view::patch_groom, wait};
+use plumage_tests::{headless, view::patch_groom, wait};
 use std::path::Path;
 
 /// Texels along each side of a mask.
@@ -24,25 +22,11 @@ const SIDE: f32 = 0.4;
 struct Grown(u32);
 
 fn app(assets: &Path) -> App {
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        TransformPlugin,
-        AssetPlugin {
-            file_path: assets.display().to_string(),
-            ..default()
-        },
-        MeshPlugin,
-        ImagePlugin::default(),
-        AnatomyPlugin,
-        GroomPlugin,
-    ))
-    .init_resource::<Grown>()
-    .add_observer(|_: On<PlumageReady>, mut grown: ResMut<Grown>| grown.0 += 1);
+    let mut app = headless::grooms(assets, ImagePlugin::default());
+    app.init_resource::<Grown>()
+        .add_observer(|_: On<PlumageReady>, mut grown: ResMut<Grown>| grown.0 += 1);
     // Bevy's renderer does this, there is none here.
     app.register_asset_loader(ImageLoader::new(CompressedImageFormats::NONE));
-    app.finish();
-    app.cleanup();
     app
 }
 

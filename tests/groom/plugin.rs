@@ -1,32 +1,14 @@
 //! The component in an app: cards come, follow the skeleton, are remade on change and go; damage is a message.
 
 use bevy::{
-    asset::AssetPlugin,
-    mesh::{
-        MeshPlugin,
-        skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
-    },
+    mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
     prelude::*,
 };
-use bevy_plumage::anatomy::AnatomyPlugin;
 use bevy_plumage::groom::*;
-use plumage_tests::{skins::*, wait};
+use plumage_tests::{headless, skins::*, wait};
 
 fn app() -> App {
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        TransformPlugin,
-        AssetPlugin {
-            file_path: plumage_tests::asset("").display().to_string(),
-            ..default()
-        },
-        MeshPlugin,
-    ));
-    app.add_plugins((AnatomyPlugin, GroomPlugin));
-    app.finish();
-    app.cleanup();
-    app
+    headless::grooms(&plumage_tests::asset(""), ())
 }
 
 /// A bird and its joints.

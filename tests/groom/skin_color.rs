@@ -2,15 +2,12 @@
 //! body are one skin.
 
 use bevy::{
-    asset::{AssetPlugin, RenderAssetUsages},
-    mesh::MeshPlugin,
+    asset::RenderAssetUsages,
     prelude::*,
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
-use bevy_plumage::anatomy::AnatomyPlugin;
 use bevy_plumage::groom::*;
-use bevy_plumage::skin_color::SkinColorPlugin;
-use plumage_tests::{view::patch_groom, wait};
+use plumage_tests::{headless, view::patch_groom, wait};
 
 /// Texels along each side of the checker.
 const TEXELS: u32 = 8;
@@ -24,25 +21,9 @@ const WIDTH: f32 = 0.006;
 struct Grown(u32);
 
 fn app() -> App {
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        TransformPlugin,
-        AssetPlugin {
-            file_path: plumage_tests::asset("").display().to_string(),
-            ..default()
-        },
-        MeshPlugin,
-        AnatomyPlugin,
-        GroomPlugin,
-        SkinColorPlugin,
-    ))
-    .init_asset::<Image>()
-    .init_asset::<StandardMaterial>()
-    .init_resource::<Grown>()
-    .add_observer(|_: On<PlumageReady>, mut grown: ResMut<Grown>| grown.0 += 1);
-    app.finish();
-    app.cleanup();
+    let mut app = headless::grooms_and_paints();
+    app.init_resource::<Grown>()
+        .add_observer(|_: On<PlumageReady>, mut grown: ResMut<Grown>| grown.0 += 1);
     app
 }
 

@@ -1,35 +1,13 @@
 //! Wrong input is named: missing textures, attributes that nothing reads, weights that are no numbers, too many triangles.
 
-use bevy::{
-    asset::AssetPlugin,
-    mesh::{MeshPlugin, VertexAttributeValues},
-    prelude::*,
-};
-use bevy_plumage::anatomy::AnatomyPlugin;
+use bevy::{mesh::VertexAttributeValues, prelude::*};
 use bevy_plumage::groom::*;
-use bevy_plumage::skin_color::SkinColorPlugin;
-use plumage_tests::{skins, wait};
+use plumage_tests::{headless, skins, wait};
 use std::time::{Duration, Instant};
 
 /// Grooms whatever `dress` puts on an entity; the sentences that came of it.
 fn warnings(dress: impl FnOnce(&mut World, Entity)) -> Vec<String> {
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        TransformPlugin,
-        AssetPlugin {
-            file_path: plumage_tests::asset("").display().to_string(),
-            ..default()
-        },
-        MeshPlugin,
-        AnatomyPlugin,
-        GroomPlugin,
-        SkinColorPlugin,
-    ))
-    .init_asset::<Image>()
-    .init_asset::<StandardMaterial>();
-    app.finish();
-    app.cleanup();
+    let mut app = headless::grooms_and_paints();
     let world = app.world_mut();
     let mesh = Plane3d::new(Vec3::Y, Vec2::splat(0.2)).mesh();
     let mesh = mesh.subdivisions(8).build();

@@ -339,7 +339,7 @@ fn several_bounces_through_a_dense_vane_are_what_the_closed_form_says() {
             8,
         );
         let a = fibre_albedo(&s);
-        let model = (1.0 - meeting) * a[0] + multiple_scattering(a, [meeting; 3])[0];
+        let model = (1.0 - meeting) * a[0] + multiple_scattering(a, [meeting; 3], 0.0).spread[0];
         println!(
             "fibre albedo {albedo}: traced {total:.4}, closed form at p = {meeting:.3} {model:.4}, fitted p {p:.3}"
         );

@@ -190,12 +190,16 @@ fn multiple_scattering_returns_the_wanted_albedo() {
     for p in [0.0, 0.3, 0.5, 0.9] {
         for a in [0.0, 0.1, 0.5, 1.0_f64] {
             let one = single_scattering_albedo([a; 3], p);
-            let more = multiple_scattering(one, [p; 3]);
-            assert!(((1.0 - p) * one[0] + more[0] - a).abs() < 1e-12);
+            for parallel in [0.0, PARALLEL_MEETINGS] {
+                let more = multiple_scattering(one, [p; 3], parallel);
+                let all = more.cone[0] * (1.0 - p) * one[0] + more.spread[0];
+                assert!((all - a).abs() < 1e-12);
+                assert!(more.spread[0] >= 0.0 && more.cone[0] >= 1.0);
+            }
         }
     }
     assert!(single_scattering_albedo([f64::NAN; 3], f64::NAN)[0].is_finite());
-    assert!(multiple_scattering([1.0_f64; 3], [1.0; 3])[0].is_finite());
+    assert!(multiple_scattering([1.0_f64; 3], [1.0; 3], 1.0).spread[0].is_finite());
 }
 
 #[test]

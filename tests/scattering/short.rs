@@ -214,12 +214,15 @@ fn light_that_meets_again_is_that_of_the_whole_form() {
         for kept in [0.0, 0.2, 0.7, 1.0, 1.1].map(|share| share * scattered) {
             for strength in [0.0, 0.5, 1.0] {
                 let meeting = strength * (1.0 - f64::min(kept / f64::max(scattered, 1e-6), 1.0));
-                let wanted = multiple_scattering([scattered; 3], [meeting; 3])[0];
-                let found = short_again(scattered, kept, strength);
-                assert!(
-                    (found - wanted).abs() < 1e-12,
-                    "{scattered}, {kept}, {strength}"
-                );
+                for parallel in [0.0, PARALLEL_MEETINGS] {
+                    let wanted = multiple_scattering([scattered; 3], [meeting; 3], parallel);
+                    let [spread, cone] = short_again(scattered, kept, strength, parallel);
+                    assert!(
+                        (spread - wanted.spread[0]).abs() < 1e-12
+                            && (cone - wanted.cone[0]).abs() < 1e-12,
+                        "{scattered}, {kept}, {strength}"
+                    );
+                }
             }
         }
     }
@@ -265,7 +268,8 @@ fn evaluate(i: u32) {
         let rest = s.energy.z * color.scattered + s.energy.x;
         output[15u * i + 6u + c] = second;
         output[15u * i + 9u + c] = rest;
-        output[15u * i + 12u + c] = short::short_again(second + rest, 0.4 * second + 0.8 * rest, 0.9);
+        let again = short::short_again(second + rest, 0.4 * second + 0.8 * rest, 0.9, 0.25);
+        output[15u * i + 12u + c] = again.x + again.y;
     }
 }
 ";
@@ -346,8 +350,8 @@ fn evaluate(i: u32) {
             let error = off(0, whole).max(off(3, lit)) / peak;
             worst[0] = worst[0].max(error);
             let rest = medulla + surface;
-            let again = short_again(second + rest, 0.4 * second + 0.8 * rest, 0.9);
-            let error = off(6, second).max(off(9, rest)).max(off(12, again));
+            let [spread, cone] = short_again(second + rest, 0.4 * second + 0.8 * rest, 0.9, 0.25);
+            let error = off(6, second).max(off(9, rest)).max(off(12, spread + cone));
             worst[1] = worst[1].max(error);
         }
     }

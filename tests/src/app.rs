@@ -71,8 +71,8 @@ pub fn frames(app: &mut App, count: u32) {
     }
 }
 
-/// What the next frame draws to `image`. Reading it back takes further frames: a worker thread hands it over.
-pub fn screenshot(app: &mut App, image: Handle<Image>) -> Image {
+/// Asks for what the next frame draws to `image`; a worker thread hands it over some frames later.
+fn ask(app: &mut App, image: Handle<Image>) -> Arc<Mutex<Option<Image>>> {
     let got: Arc<Mutex<Option<Image>>> = Arc::default();
     let keep = got.clone();
     app.world_mut()
@@ -80,6 +80,12 @@ pub fn screenshot(app: &mut App, image: Handle<Image>) -> Image {
         .observe(move |shot: On<ScreenshotCaptured>| {
             *keep.lock().unwrap() = Some(shot.image.clone());
         });
+    got
+}
+
+/// What the next frame draws to `image`. Reading it back takes further frames.
+pub fn screenshot(app: &mut App, image: Handle<Image>) -> Image {
+    let got = ask(app, image);
     wait::until("the picture", || {
         frame(app);
         got.lock().unwrap().take()
@@ -203,6 +209,27 @@ impl Stage {
         });
         // Mesh, material and pipelines come one after the other.
         self.frames(4);
+    }
+
+    /// The next frame. The camera rests while it is read back: for cameras that jump from picture to picture.
+    pub fn still(&mut self) -> Image {
+        let got = ask(&mut self.app, self.image.clone());
+        self.frame();
+        let awake = |stage: &mut Self, is: bool| {
+            if let Some(mut camera) = stage.app.world_mut().get_mut::<Camera>(stage.camera) {
+                camera.is_active = is;
+            }
+        };
+        awake(self, false);
+        let image = wait::until("the picture", || {
+            let image = got.lock().unwrap().take();
+            if image.is_none() {
+                self.frame();
+            }
+            image
+        });
+        awake(self, true);
+        image
     }
 
     /// The picture of the next frame, linear RGB rows.

@@ -1,10 +1,6 @@
 //! How much skin shows through a coat: pictures from all around with the skin in magenta, the feathers black, the ground green.
 
-use crate::{
-    app::{Stage, screenshot},
-    view::darken,
-    wait,
-};
+use crate::{app::Stage, view::darken, wait};
 use bevy::{
     asset::LoadState,
     camera::ScalingMode,
@@ -260,8 +256,7 @@ pub fn count(stage: &mut Stage, subject: &Subject, save: Option<&PathBuf>, found
             }),
         ));
         stage.frame();
-        let image = stage.image.clone();
-        let image = screenshot(&mut stage.app, image);
+        let image = stage.still();
         let (width, height) = stage.size;
         let pixel = |i: u32| {
             let color = image.get_color_at(i % width, i / width);

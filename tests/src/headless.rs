@@ -1,9 +1,10 @@
-//! Apps with all of Bevy's plugins, but no GPU: what the plugin does to the world of the app, without a picture.
+//! Apps without a GPU: what the plugins do to the world of the app, without a picture.
 
 use crate::wait::until;
 use bevy::{
-    app::{PluginGroupBuilder, PluginsState},
+    app::{PluginGroupBuilder, Plugins, PluginsState},
     asset::UnapprovedPathMode,
+    mesh::MeshPlugin,
     prelude::*,
     render::{
         RenderPlugin,
@@ -12,7 +13,11 @@ use bevy::{
     window::ExitCondition,
     winit::WinitPlugin,
 };
-use bevy_plumage::prelude::*;
+use bevy_plumage::{
+    anatomy::AnatomyPlugin, groom::GroomPlugin, prelude::*, skin_color::SkinColorPlugin,
+    weathering::WeatheringPlugin,
+};
+use std::path::Path;
 
 /// Bevy's plugins without a window, with this package's assets.
 pub fn plugins(render: RenderPlugin) -> PluginGroupBuilder {
@@ -54,6 +59,32 @@ pub fn app(path: FeatherPath) -> App {
     }))
     .add_plugins(PlumagePlugins.set(FeatherRenderPlugin { path }));
     finish(&mut app);
+    app
+}
+
+/// No renderer: feathers grow, of assets in this folder; and what `more` does.
+pub fn grooms<M>(assets: &Path, more: impl Plugins<M>) -> App {
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins,
+        TransformPlugin,
+        AssetPlugin {
+            file_path: assets.display().to_string(),
+            ..default()
+        },
+        MeshPlugin,
+        AnatomyPlugin,
+        GroomPlugin,
+    ))
+    .add_plugins(more);
+    finish(&mut app);
+    app
+}
+
+/// No renderer, but materials and textures: feathers grow, and take over colors and weather.
+pub fn grooms_and_paints() -> App {
+    let mut app = grooms(&crate::asset(""), (SkinColorPlugin, WeatheringPlugin));
+    app.init_asset::<Image>().init_asset::<StandardMaterial>();
     app
 }
 

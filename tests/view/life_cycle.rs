@@ -1,8 +1,7 @@
 //! Birds come, change and go in apps that are not ours.
 
 use bevy::{asset::UntypedAssetId, mesh::MeshPlugin, prelude::*};
-use bevy_plumage::anatomy::AnatomyPlugin;
-use bevy_plumage::groom::{Groom, GroomPlugin, PlumageCards, PlumageParts, Segments, Tint};
+use bevy_plumage::groom::{Groom, PlumageCards, PlumageParts, Segments, Tint};
 use bevy_plumage::prelude::*;
 use plumage_tests::{
     app::{SIZE, Stage, compiles},
@@ -290,19 +289,7 @@ fn files_reload_while_the_app_runs() {
         std::fs::write(&file, groom.to_ron().unwrap()).unwrap();
     };
     write(40);
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        TransformPlugin,
-        AssetPlugin {
-            file_path: folder.0.display().to_string(),
-            ..default()
-        },
-        MeshPlugin,
-    ))
-    .add_plugins((AnatomyPlugin, GroomPlugin));
-    app.finish();
-    app.cleanup();
+    let mut app = headless::grooms(&folder.0, ());
     let groom: Handle<Groom> = app.world().resource::<AssetServer>().load("bird.groom.ron");
     let mesh = Plane3d::new(Vec3::Z, Vec2::splat(0.1)).mesh().build();
     let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);

@@ -12,9 +12,9 @@ use bevy_plumage::maths::{
     },
     scattering::{
         Fibre, FibreKind, FibreLobes, FibreReach, FibreRow, FibreShading, FibreTable, KeptLight,
-        MEDULLA_PLACE, fibre_albedo, fibre_along, fibre_lit, fibre_lobes, fibre_local,
-        fibre_shading, kept_at, kept_light, mean_caught, mirror_place, multiple_scattering,
-        part_tangent,
+        MEDULLA_PLACE, PARALLEL_MEETINGS, fibre_albedo, fibre_along, fibre_lit, fibre_lobes,
+        fibre_local, fibre_shading, kept_at, kept_light, mean_caught, mirror_place,
+        multiple_scattering, part_tangent,
     },
     vector::{cross, normalize},
 };
@@ -60,6 +60,13 @@ pub const TABLE: &str = include_str!("../data/judged_vanes.csv");
 
 /// Half angle of a light in the table.
 const CONE: f64 = 15.0;
+
+/// What becomes of a part's light: met others and spread, factor on what met one fibre, met one fibre.
+struct Again {
+    spread: f64,
+    cone: f64,
+    direct: f64,
+}
 
 /// One of the vanes in the table.
 struct Subject {
@@ -164,8 +171,8 @@ impl Subject {
         (row, shading)
     }
 
-    /// Energy of a part's light that meets others, and what one fibre alone sends back of light from all around.
-    fn again(&self, part: usize, eye: [f64; 3], shading: &FibreShading<f64>) -> [f64; 2] {
+    /// A part's light that meets others, and what one fibre alone sends back of light from all around.
+    fn again(&self, part: usize, eye: [f64; 3], shading: &FibreShading<f64>) -> Again {
         let kept = &self.kept[usize::from(eye[2] < 0.0)][part];
         let direct: f64 = (0..2)
             .map(|side| {
@@ -177,7 +184,17 @@ impl Subject {
             .sum();
         let albedo = fibre_albedo(shading);
         let meeting = (1.0 - direct / albedo[0]).clamp(0.0, 1.0);
-        [multiple_scattering(albedo, [meeting; 3])[0], direct]
+        let parallel = if self.structural {
+            PARALLEL_MEETINGS
+        } else {
+            0.0
+        };
+        let again = multiple_scattering(albedo, [meeting; 3], parallel);
+        Again {
+            spread: again.spread[0],
+            cone: again.cone[0],
+            direct,
+        }
     }
 
     /// Light of one fibre, and all light, from a cone around `light`. `k`: of each part's fibre alone.
@@ -195,24 +212,42 @@ impl Subject {
                 ..shading
             }
         });
-        let again: f64 = (0..3)
-            .map(|i| covered[i] * self.again(i + 1, eye, &shadings[i])[0])
-            .sum();
-        let directions = cone(light);
+        let agains = [0, 1, 2].map(|i| self.again(i + 1, eye, &shadings[i]));
+        let spread_again: f64 = (0..3).map(|i| covered[i] * agains[i].spread).sum();
+        let directions = cone(light).map(|direction| self.canonical(direction));
+        // A smooth fibre lights only a curve through the cone, so its light is spread over it as the crate's own.
+        let spread = [0, 1, 2].map(|i| {
+            let tangent = part_tangent(&self.vane, i + 1);
+            let own = directions.map(|direction| {
+                let local = fibre_local(tangent, [0.0, 0.0, 1.0], direction);
+                let lobes = fibre_lobes(&shadings[i], local);
+                [lobes.mirror[0], lobes.even[0]]
+            });
+            [0, 1].map(|lobe| {
+                let mean = own.iter().map(|own| own[lobe]).sum::<f64>() / COUNT as f64;
+                own.map(|own| {
+                    if mean > 1e-9 {
+                        k[i][lobe] * own[lobe] / mean
+                    } else {
+                        k[i][lobe]
+                    }
+                })
+            })
+        });
         let (mut one, mut all) = (0.0, 0.0);
         let solid_angle = 2.0 * PI * (1.0 - CONE.to_radians().cos());
-        for direction in &directions {
-            let direction = self.canonical(*direction);
-            let to = vane_ray(&sight, direction);
+        for (d, direction) in directions.iter().enumerate() {
+            let to = vane_ray(&sight, *direction);
             let reached = vane_shadow(&sight, &to);
             for (i, shading) in shadings.iter().enumerate() {
                 let part = i + 1;
-                let local = fibre_local(part_tangent(&self.vane, part), [0.0, 0.0, 1.0], direction);
+                let local =
+                    fibre_local(part_tangent(&self.vane, part), [0.0, 0.0, 1.0], *direction);
                 let across = local[1].hypot(local[2]).max(1e-9);
                 let turn = (local[1] * shading.azimuth[0] + local[2] * shading.azimuth[1]) / across;
                 let lobes = FibreLobes {
-                    mirror: [k[i][0]; 3],
-                    even: [k[i][1]; 3],
+                    mirror: [spread[i][0][d]; 3],
+                    even: [spread[i][1][d]; 3],
                     turn,
                 };
                 let light = reached[part];
@@ -222,30 +257,32 @@ impl Subject {
                     along: light.along,
                     place: light.place,
                 };
-                one += covered[i] * fibre_lit(shading, &lobes, &reach)[0];
+                let lit = covered[i] * fibre_lit(shading, &lobes, &reach)[0];
+                one += lit;
+                all += agains[i].cone * lit;
             }
             let caught = vane_caught(&sight.shape, &to.storeys, to.facing);
-            all += again * caught / (4.0 * PI * self.caught) * solid_angle;
+            all += spread_again * caught / (4.0 * PI * self.caught) * solid_angle;
         }
-        let share = 1.0 / directions.len() as f64;
-        [one * share, (one + all) * share]
+        let share = 1.0 / COUNT as f64;
+        [one * share, all * share]
     }
 }
 
+/// Directions of one light.
+const COUNT: usize = 192;
+
 /// Directions spread evenly over a light.
-fn cone(middle: [f64; 3]) -> Vec<[f64; 3]> {
-    const COUNT: usize = 48;
+fn cone(middle: [f64; 3]) -> [[f64; 3]; COUNT] {
     let side = normalize(cross([0.3, 0.5, 0.81], middle), [1.0, 0.0, 0.0]);
     let other = cross(middle, side);
-    (0..COUNT)
-        .map(|i| {
-            let share = (i as f64 + 0.5) / COUNT as f64;
-            let z = 1.0 - (1.0 - CONE.to_radians().cos()) * share;
-            let r = (1.0 - z * z).sqrt();
-            let (sin, cos) = (2.399_963_229_728_653 * i as f64).sin_cos();
-            std::array::from_fn(|k| middle[k] * z + r * (cos * side[k] + sin * other[k]))
-        })
-        .collect()
+    std::array::from_fn(|i| {
+        let share = (i as f64 + 0.5) / COUNT as f64;
+        let z = 1.0 - (1.0 - CONE.to_radians().cos()) * share;
+        let r = (1.0 - z * z).sqrt();
+        let (sin, cos) = (2.399_963_229_728_653 * i as f64).sin_cos();
+        std::array::from_fn(|k| middle[k] * z + r * (cos * side[k] + sin * other[k]))
+    })
 }
 
 /// Fibres of a white vane.
@@ -301,7 +338,8 @@ pub fn furnace_by_lights(fibres: WhiteFibre, eye: [f64; 3]) -> Option<f64> {
             let lobes = fibre_lobes(shading, fibre_local(tangent, [0.0, 0.0, 1.0], direction));
             let direct =
                 reached[part].mirror * lobes.mirror[0] + reached[part].even * lobes.even[0];
-            sum += covered[k] * (direct + subject.again(part, eye, shading)[0] * caught);
+            let again = subject.again(part, eye, shading);
+            sum += covered[k] * (again.cone * direct + again.spread * caught);
         }
     }
     Some(sum * 4.0 * PI / DIRECTIONS as f64 / covered.iter().sum::<f64>())
@@ -433,8 +471,8 @@ impl Subject {
                 let mut sum = 0.0;
                 for (i, share) in covered.iter().enumerate() {
                     let (_, shading) = self.shading(i + 1, eye, n[0]);
-                    let [again, direct] = self.again(i + 1, eye, &shading);
-                    sum += share * (direct + again);
+                    let again = self.again(i + 1, eye, &shading);
+                    sum += share * (again.cone * again.direct + again.spread);
                 }
                 verdict.furnace.push(Judged {
                     name: format!("{name} {} {}", n[0], degrees(&eye)),

@@ -167,9 +167,12 @@ fn part_eye<T: Real>(across: [T; 2], wide: T) -> PartEye<T> {
 /// The barbs as the eye sees them.
 pub fn barb_eye<T: Real>(shape: &VaneShape<T>, storeys: &Storeys<T>) -> PartEye<T> {
     let long = storeys.silhouette + storeys.silhouette;
+    let across = barb_section(storeys, T::one());
+    let open = barb_open(shape, storeys);
     PartEye {
-        open: barb_open(shape, storeys),
-        ..part_eye(barb_section(storeys, T::one()), long * shape.per_barb)
+        open,
+        middle: family_middle(across, open, T::one()),
+        ..part_eye(across, long * shape.per_barb)
     }
 }
 
@@ -243,11 +246,11 @@ fn family_reach<T: Real>(wide: T) -> (T, T) {
     (inverse + inverse - T::one(), inverse.min(T::one()))
 }
 
-/// Middle of what a direction meets of a fibre of which it meets the share `own`.
+/// Middle of what a direction meets of a fibre of which it meets the share `own`, so that the cosine between two of them stands for
+/// all harmonics of what the medulla remembers (docs/book/light_between_fibres.md).
 fn family_middle<T: Real>([x, y]: [T; 2], own: T, up: T) -> [T; 2] {
     let tilt = (T::one() - own) * T::of(4.0 * std::f64::consts::FRAC_1_PI);
-    let tilt = if x < T::zero() { -tilt * up } else { tilt * up };
-    [x - tilt * y, y + tilt * x]
+    [x * (T::of(0.74) + T::of(0.34) * up), y + up * tilt * x.abs()]
 }
 
 /// Gap between two barbs at a height above the middle of the vane in lifts, in barb periods.
@@ -388,7 +391,8 @@ pub fn barb_light<T: Real>(eye: &VaneEye<T>, ray: &VaneRay<T>) -> VaneLight<T> {
     let part = &eye.parts[0];
     let light = barb_section(&ray.storeys, up);
     let long = ray.storeys.silhouette + ray.storeys.silhouette;
-    let (reach, own) = family_reach(long * shape.per_barb);
+    let (reach, _) = family_reach(long * shape.per_barb);
+    let open = barb_open(shape, &ray.storeys);
     let half = halfway(part.across, light);
     let (within, scale) = family_within(part, light, reach, up, &half, mirror);
     let towards = |direction: [T; 2]| {
@@ -405,9 +409,9 @@ pub fn barb_light<T: Real>(eye: &VaneEye<T>, ray: &VaneRay<T>) -> VaneLight<T> {
     VaneLight {
         mirror: within * both / part.open.max(T::of(1e-3)),
         lit: within * lit,
-        even: barb_open(shape, &ray.storeys),
+        even: open,
         along: T::zero(),
-        place: dot2(part.middle, family_middle(light, own, up)),
+        place: dot2(part.middle, family_middle(light, open, up)),
     }
 }
 

@@ -89,20 +89,49 @@ pub fn fibre_color<T: Real>(p: &FibreParameters<T>, albedo: [T; 3]) -> FibreColo
 /// Albedo that one fibre must have for dense plumage to show `albedo`, when scattered light meets another fibre with chance
 /// `meeting` (0..1; 0 returns `albedo`; 0.5 is dense). See docs/book/light_between_fibres.md#multiple-scattering.
 pub fn single_scattering_albedo<T: Real>(albedo: [T; 3], meeting: T) -> [T; 3] {
-    let p = clamp(meeting, T::zero(), real(0.99));
-    albedo.map(|a| {
-        let a = clamp(a, T::zero(), T::one());
-        a / (T::one() - p + p * a)
+    let (zero, one) = (T::zero(), T::one());
+    let p = clamp(meeting, zero, real(0.99));
+    let later = real::<T>(0.5) * p + real(0.25);
+    albedo.map(|shown| {
+        let shown = clamp(shown, zero, one);
+        let b = one - p + shown * later;
+        let root = (b * b + shown * (p + p - one)).max(zero).sqrt();
+        (shown + shown) / (b + root)
     })
 }
 
-/// Energy of light that met further fibres, for a fibre of albedo `a`: times the mean radiance around the feather it completes
-/// `(1 - meeting)` times the direct light. Both together are `(1 - p) a / (1 - p a)`, 1 for a white fibre. See
-/// docs/book/light_between_fibres.md#multiple-scattering.
-pub fn multiple_scattering<T: Real>(albedo: [T; 3], meeting: [T; 3]) -> [T; 3] {
-    std::array::from_fn(|c| {
-        let p = clamp(meeting[c], T::zero(), real(0.99));
-        let a = clamp(albedo[c], T::zero(), T::one());
-        p * (T::one() - p) * a * a / (T::one() - p * a)
-    })
+/// Of the meetings with further fibres, the share with fibres parallel to the first, where a fibre mirrors: light that met no others
+/// stays on its cone. See docs/book/light_between_fibres.md#multiple-scattering.
+pub const PARALLEL_MEETINGS: f64 = 0.25;
+
+/// Light that met further fibres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MultipleScattering<T> {
+    /// Energy that has lost its direction, linear RGB: to be multiplied by the mean radiance around the feather.
+    pub spread: [T; 3],
+    /// Factor on the light that met one fibre, 1 and more: what met parallel fibres alone goes where that goes.
+    pub cone: [T; 3],
+}
+
+/// Light that met further fibres, for a fibre of albedo `a` of whose light the share `p = meeting` meets another one, and
+/// `q = p/2 + 1/4` of what that scatters one more: `spread` and `cone` times the direct light `(1 - p) a` are together
+/// `(1 - p) a + p (1 - q) a^2/(1 - q a)`, 1 for a white fibre. `parallel`: [`PARALLEL_MEETINGS`] of fibres that mirror, 0 of others.
+/// See docs/book/light_between_fibres.md#multiple-scattering.
+pub fn multiple_scattering<T: Real>(
+    albedo: [T; 3],
+    meeting: [T; 3],
+    parallel: T,
+) -> MultipleScattering<T> {
+    let one = T::one();
+    let albedo = albedo.map(|a| clamp(a, T::zero(), one));
+    let lost: [T; 3] =
+        std::array::from_fn(|c| clamp(meeting[c], T::zero(), real(0.99)) * albedo[c]);
+    let cone = lost.map(|lost| one / (one - parallel * lost));
+    MultipleScattering {
+        spread: std::array::from_fn(|c| {
+            let later = real::<T>(0.5) * lost[c] + real::<T>(0.25) * albedo[c];
+            lost[c] * (albedo[c] - later) / (one - later) - (albedo[c] - lost[c]) * (cone[c] - one)
+        }),
+        cone,
+    }
 }

@@ -33,8 +33,8 @@ mod table;
 mod tier;
 
 pub use color::{
-    FibreColor, fibre_color, gamma_fit, gamma_memory, gamma_transmittance, multiple_scattering,
-    single_scattering_albedo,
+    FibreColor, MultipleScattering, PARALLEL_MEETINGS, fibre_color, gamma_fit, gamma_memory,
+    gamma_transmittance, multiple_scattering, single_scattering_albedo,
 };
 pub use energy::{FibreEnergy, fibre_albedo, fibre_energy_split};
 pub use evaluate::{FibreLobes, azimuthal, fibre_evaluate, fibre_lobes};

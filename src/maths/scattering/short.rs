@@ -327,13 +327,17 @@ fn short_longitudinal<T: Real>(eye: (T, T), light: (T, T), spread: LongitudinalS
         * spread.scale
 }
 
-/// Energy of light that met further fibres, where a fibre keeps `kept` of the energy `scattered` and `strength` times the rest meets
-/// another one: [`multiple_scattering`](super::multiple_scattering) of the chance `strength (1 - kept / scattered)`.
-pub fn short_again<T: Real>(scattered: T, kept: T, strength: T) -> T {
+/// One channel of light that met further fibres, where a fibre keeps `kept` of the energy `scattered` and `strength` times the rest
+/// meets another one: spread and cone of [`multiple_scattering`](super::multiple_scattering) of the chance
+/// `strength (1 - kept / scattered)`.
+pub fn short_again<T: Real>(scattered: T, kept: T, strength: T, parallel: T) -> [T; 2] {
     let (zero, one) = (T::zero(), T::one());
     let all = scattered.min(one);
     let lost = (strength * (scattered - kept).max(zero)).min(all * real(0.99));
-    lost * (all - lost) / (one - lost)
+    let cone = one / (one - parallel * lost);
+    let later = real::<T>(0.5) * lost + real::<T>(0.25) * all;
+    let spread = lost * (all - later) / (one - later) - (all - lost) * (cone - one);
+    [spread, cone]
 }
 
 /// One channel of a fibre's color. `frequency`: see [`fibre_along`](super::fibre_along), 0 where no shadow lies along the fibre.

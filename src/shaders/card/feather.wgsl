@@ -9,7 +9,7 @@
     feather_opacity::{LEAST_OPACITY, leaves_hole, sample_bits},
     feather_shadow::{Reaches, caught_light, kept_light, kept_place, light_ray, reach_of, reaches_of, shadowing_of},
     scattering::{
-        FIBRE_PARAMETER_LENGTH, FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreReach, FibreRow, fibre_along, fibre_lit, fibre_lobes,
+        FIBRE_PARAMETER_LENGTH, FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreReach, FibreRow, PARALLEL_MEETINGS, fibre_along, fibre_lit, fibre_lobes,
         fibre_parameters, fibre_row_at, fibre_row_mix, fibre_shading, fibre_terms, multiple_scattering, single_scattering_albedo,
     },
     scattering_near::{fibre_near, fibre_near_lobes, fibre_window},
@@ -342,8 +342,10 @@ fn shade(
             let before = kept_light(kept, part, 0u);
             let after = kept_light(kept, part, 1u);
             var lit = 1.0;
+            var parallel = 0.0;
             var kept_second = vec2(before.y, after.y);
             if (shading.structural) {
+                parallel = PARALLEL_MEETINGS;
                 lit = mix(1.0, clamp(0.5 + 0.5 * shading.azimuth.y, 0.0, 1.0), shading.back.y);
                 kept_second = vec2(before.w, after.w);
             }
@@ -368,23 +370,23 @@ fn shade(
                 let from_front = second * kept_second.x + medulla * before.w;
                 let from_back = surface.y + second * kept_second.y + medulla * after.w;
                 let scattered = outside + second + medulla;
-                let again = short::short_again(scattered, surface.x + from_front + from_back, settings.multiple_scattering);
+                let again = short::short_again(scattered, surface.x + from_front + from_back, settings.multiple_scattering, parallel);
                 var radiance = 0.0;
                 if (first == 0u) {
                     let everywhere = 0.5 * (around.irradiance[c] + behind.irradiance[c]);
-                    var specular = surface.x;
+                    radiance = around.radiance[c] * surface.x + around.irradiance[c] * from_front + behind.irradiance[c] * from_back;
+                    radiance = again.y * radiance + again.x * everywhere;
 #ifdef IRIDESCENT
-                    specular += shimmer.energy[c] * before.x;
+                    radiance += around.radiance[c] * shimmer.energy[c] * before.x;
 #endif
-                    radiance = around.radiance[c] * specular + around.irradiance[c] * from_front + behind.irradiance[c] * from_back;
-                    radiance = (radiance + again * everywhere) * open;
+                    radiance *= open;
                 }
                 for (var i = 0u; i < count; i++) {
-                    var own = short::short_lit(shading, color, lobes[i], reaching[i]);
+                    var own = again.y * short::short_lit(shading, color, lobes[i], reaching[i]);
 #ifdef IRIDESCENT
                     own += mirrored[i][c];
 #endif
-                    radiance += batch[i].color[c] * (own + again * batch[i].caught);
+                    radiance += batch[i].color[c] * (own + again.x * batch[i].caught);
                 }
                 sum[c] += weight * radiance;
             }
@@ -417,7 +419,8 @@ fn shade(
                 + fourth * after.w;
             let scattered = shading.energy_surface + shading.energy_through + shading.energy_inner + fourth;
             let meeting = 1.0 - min((specular + from_front + from_back) / max(scattered, vec3(1e-6)), vec3(1.0));
-            let again = multiple_scattering(scattered, settings.multiple_scattering * meeting);
+            let parallel = select(0.0, PARALLEL_MEETINGS, shading.structural);
+            let again = multiple_scattering(scattered, settings.multiple_scattering * meeting, parallel);
             var radiance = vec3(0.0);
             if (first == 0u) {
 #ifdef SAMPLED_ENVIRONMENT
@@ -429,7 +432,7 @@ fn shade(
                 let indirect = around.radiance * specular + around.irradiance * from_front + behind.irradiance * from_back;
 #endif
                 let everywhere = 0.5 * (around.irradiance + behind.irradiance);
-                radiance += (indirect + again * everywhere) * open;
+                radiance += (again.cone * indirect + again.spread * everywhere) * open;
 #ifdef IRIDESCENT
                 var mirrored = around.radiance;
                 if (!ONE_LOOK && shimmer.share > 0.0) {
@@ -446,13 +449,13 @@ fn shade(
                 for (var i = 0u; i < count; i++) {
                     let lobes = fibre_near_lobes(near_fibre, in_fibre(tangent, frame.hand, batch[i].direction));
                     let reach = reach_of(batch[i].reaches, part, shadowing.lower, lobes.turn, true);
-                    radiance += batch[i].color * (fibre_lit(shading, lobes, reach) + again * batch[i].caught);
+                    radiance += batch[i].color * (again.cone * fibre_lit(shading, lobes, reach) + again.spread * batch[i].caught);
                 }
             } else {
                 for (var i = 0u; i < count; i++) {
                     let lobes = fibre_lobes(shading, in_fibre(tangent, frame.hand, batch[i].direction));
                     let reach = reach_of(batch[i].reaches, part, shadowing.lower, lobes.turn, false);
-                    radiance += batch[i].color * (fibre_lit(shading, lobes, reach) + again * batch[i].caught);
+                    radiance += batch[i].color * (again.cone * fibre_lit(shading, lobes, reach) + again.spread * batch[i].caught);
 #ifdef IRIDESCENT
                     let half_way = in_fibre(tangent, frame.hand, batch[i].direction + frame.local_eye);
                     radiance += batch[i].color * reach.mirror * shimmer_lobe(shimmer, half_way);

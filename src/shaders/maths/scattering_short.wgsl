@@ -142,12 +142,14 @@ fn short_color(s: ShortShading, albedo: f32, frequency: f32) -> ShortColor {
     return color;
 }
 
-// Energy of light that met further fibres, see multiple_scattering: of what a fibre scatters it keeps `kept`, and `strength` times the
-// rest meets another one.
-fn short_again(scattered: f32, kept: f32, strength: f32) -> f32 {
+// Spread and cone of light that met further fibres, see multiple_scattering: of what a fibre scatters it keeps `kept`, and `strength`
+// times the rest meets another one.
+fn short_again(scattered: f32, kept: f32, strength: f32, parallel: f32) -> vec2<f32> {
     let all = min(scattered, 1.0);
     let lost = min(strength * max(scattered - kept, 0.0), 0.99 * all);
-    return lost * (all - lost) / (1.0 - lost);
+    let cone = 1.0 / (1.0 - parallel * lost);
+    let later = 0.5 * lost + 0.25 * all;
+    return vec2(lost * (all - later) / (1.0 - later) - (all - lost) * (cone - 1.0), cone);
 }
 
 fn short_density(energy: f32, terms: array<vec4<f32>, 2>, cosines: array<vec4<f32>, 2>) -> f32 {

@@ -89,10 +89,10 @@ fn family_reach(wide: f32) -> vec2<f32> {
     return vec2(2.0 * inverse - 1.0, min(inverse, 1.0));
 }
 
-// Middle of what a direction meets of a fibre of which it meets the share `own`.
+// Middle of what a direction meets of a fibre of which it meets the share `own`, for all harmonics of what the medulla remembers.
 fn family_middle(direction: vec2<f32>, own: f32, up: f32) -> vec2<f32> {
-    let tilt = (1.0 - own) * 1.27323954473516 * select(up, -up, direction.x < 0.0);
-    return vec2(direction.x - tilt * direction.y, direction.y + tilt * direction.x);
+    let tilt = (1.0 - own) * 1.27323954473516 * up;
+    return vec2(direction.x * (0.74 + 0.34 * up), direction.y + tilt * abs(direction.x));
 }
 
 // Gap between two barbs at a height above the middle of the vane in lifts, in barb periods.
@@ -146,13 +146,14 @@ fn vane_part(shape: VaneShape, s: Storeys, kind: u32) -> PartEye {
     var part: PartEye;
     part.across = select(cross_section(slope, 1.0), vec2(slope, 1.0) * s.per_root, barbs);
     let reach = family_reach(wide);
-    part.middle = family_middle(part.across, reach.y, 1.0);
     part.reach = reach.x;
     part.wide = max(wide, 1.0);
     if barbs {
         part.open = barb_open(shape, s);
+        part.middle = family_middle(part.across, part.open, 1.0);
         return part;
     }
+    part.middle = family_middle(part.across, reach.y, 1.0);
     part.gap = barb_gap(shape, s, select(1.5, -0.5, lower));
     part.per_gap = 1.0 / max(part.gap.y - part.gap.x, 1e-6);
     if lower {
@@ -239,8 +240,9 @@ fn vane_light(eye: VaneEye, part: PartEye, ray: VaneRay, kind: u32) -> VaneLight
     let reach = family_reach(wide);
     let between = halfway(part.across, light);
     let within = family_within(part, light, reach.x, ray.up, between, mirror);
-    let place = dot(part.middle, family_middle(light, reach.y, ray.up));
     if barbs {
+        let open = barb_open(shape, ray.layers);
+        let place = dot(part.middle, family_middle(light, open, ray.up));
         let to_eye = within.y * mix(between.xy, part.across, mirror.retreat);
         let to_light = within.y * mix(between.xy, light, mirror.retreat);
         let seen = barb_reached(shape, eye.layers, to_eye, 1.0);
@@ -251,8 +253,9 @@ fn vane_light(eye: VaneEye, part: PartEye, ray: VaneRay, kind: u32) -> VaneLight
             both = min(lit, seen);
             lit = min(lit / max(seen, 1e-4), 1.0);
         }
-        return VaneLight(within.x * both / max(part.open, 1e-3), within.x * lit, barb_open(shape, ray.layers), 0.0, place);
+        return VaneLight(within.x * both / max(part.open, 1e-3), within.x * lit, open, 0.0, place);
     }
+    let place = dot(part.middle, family_middle(light, reach.y, ray.up));
     var gap = between_barbs(shape, part, ray, select(1.5, -0.5, lower != ray.beyond));
     var through = 1.0;
     var even = 1.0;

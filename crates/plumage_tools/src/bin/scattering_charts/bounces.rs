@@ -103,7 +103,12 @@ pub fn multiple(folder: &Path) -> Result<()> {
         chart.push((format!("{name}, traced"), all));
         chart.push((format!("{name}, first bounce alone"), single));
         let p = meeting(&feather);
-        let points = albedos.map(|a| (a, (1.0 - p) * a + multiple_scattering([a; 3], [p; 3])[0]));
+        let points = albedos.map(|a| {
+            (
+                a,
+                (1.0 - p) * a + multiple_scattering([a; 3], [p; 3], 0.0).spread[0],
+            )
+        });
         chart.push((format!("{name}, closed form, p = {p:.3}"), points.to_vec()));
     }
     let labels = Labels {
