@@ -250,7 +250,10 @@ fn family_reach<T: Real>(wide: T) -> (T, T) {
 /// all harmonics of what the medulla remembers (docs/book/light_between_fibres.md).
 fn family_middle<T: Real>([x, y]: [T; 2], own: T, up: T) -> [T; 2] {
     let tilt = (T::one() - own) * T::of(4.0 * std::f64::consts::FRAC_1_PI);
-    [x * (T::of(0.74) + T::of(0.34) * up), y + up * tilt * x.abs()]
+    [
+        x * (T::of(0.74) + T::of(0.34) * up),
+        y + up * tilt * x.abs(),
+    ]
 }
 
 /// Gap between two barbs at a height above the middle of the vane in lifts, in barb periods.
