@@ -50,6 +50,7 @@ pub fn groom(species: &Species, model: &Model) -> Groom {
             region.segments = Segments::new(t.segments.0, t.segments.1);
             region.tint = Tint(srgb(t.tint.0), srgb(t.tint.1));
             // One feather hardly differs from the next: coats run together, they are not scaled.
+            region.jitter.yaw = 2.0;
             region.jitter.roll = 2.0;
             region.jitter.lift = 0.6;
             region.jitter.hue = 1.0;

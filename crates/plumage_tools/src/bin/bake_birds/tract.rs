@@ -45,7 +45,7 @@ pub enum Tract {
 }
 
 /// Where the breast begins before the front edge of the folded wing, mm on the macaw: feathers rooted nearer lie below the wing.
-const LAP: f32 = 9.0;
+const LAP: f32 = 11.0;
 
 /// Tract at a point of the skin.
 pub fn classify(body: &Body, p: Vec3) -> Tract {
@@ -150,7 +150,7 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     }
     // What lies above the folded wing hangs down over its upper edge.
     if arc > side(body) && theta < 102.0 {
-        return if body.before_wing(q) > 0.3 * LAP * s.scale {
+        return if body.before_wing(q) > 0.0 {
             Tract::Breast
         } else {
             Tract::Side
