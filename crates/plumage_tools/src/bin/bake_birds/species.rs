@@ -255,7 +255,7 @@ pub fn macaw() -> Species {
             wrist: 46.,
             roll: 76.,
             toe: -4.,
-            push: 14.,
+            push: 17.,
             tuck: 8.,
         },
         bind: WingPose {
@@ -277,7 +277,7 @@ pub fn macaw() -> Species {
             tuck: 0.,
         },
         fold_fan: 6.,
-        swell: [[17., 3., -1., 11.], [20., 3., 36., 8.]],
+        swell: [[17., 3., -1., 11.], [23., 2., 62., 6.]],
         wing_slope: 58.,
         arm: [9.5, 9.5, 6.5, 3.5, 12.],
         legs: [[24., 22.], [22., 15.], [6.5, 6.5]],
