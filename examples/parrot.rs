@@ -39,7 +39,8 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
         _ => 1.0,
     };
     // Position along the branch, metres; turn to the other bird, radians; start of the idle clip, seconds.
-    let birds = [(-0.17, 0.25, 0.0), (0.17, -0.2, 1.3)];
+    // The second looks over to the first.
+    let birds = [(-0.17, 0.25, 0.0), (0.17, -0.2, 2.1)];
     for (i, (x, turn, phase)) in birds.into_iter().enumerate() {
         commands.spawn((
             scene::bird(&assets, "parrot", phase),

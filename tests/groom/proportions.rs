@@ -10,7 +10,8 @@ const SLICE: f32 = 0.01;
 /// A bird at rest as a cloud of points, with the row or region of each card's points.
 struct Rest {
     points: Vec<Vec3>,
-    secondaries: Vec<Vec3>,
+    /// Of secondaries and tertials.
+    inner: Vec<Vec3>,
     /// Height of the crown, of the tip of the tail, and of what the bird stands on.
     crown: f32,
     tail: f32,
@@ -21,25 +22,22 @@ fn rest(name: &'static str, perch: f32) -> Rest {
     let (bird, coat) = groomed(name);
     let pose = bird.skinning(Some(0.0));
     let posed = bird.pose(coat, &SceneBird::vertices(coat, &pose), &pose);
-    let row = bird
-        .groom
-        .rows
-        .iter()
-        .position(|row| row.name == "secondaries")
-        .expect("a wing");
-    let region = (bird.groom.regions.len() + row) as u16;
-    let mut secondaries = Vec::new();
+    let regions = ["secondaries", "tertials"].map(|name| {
+        let row = bird.groom.rows.iter().position(|row| row.name == name);
+        (bird.groom.regions.len() + row.expect("a wing")) as u16
+    });
+    let mut inner = Vec::new();
     for (card, geometry) in coat.cards.iter().zip(&coat.geometry) {
-        if card.region == region {
+        if regions.contains(&card.region) {
             let first = geometry.first_vertex as usize;
-            secondaries.extend(&posed.cards[first..first + geometry.vertex_count as usize]);
+            inner.extend(&posed.cards[first..first + geometry.vertex_count as usize]);
         }
     }
     let mut points = posed.cards;
     points.extend(posed.body.iter().flatten());
     let heights = || points.iter().map(|p| p.y);
     Rest {
-        secondaries,
+        inner,
         crown: heights().fold(f32::MIN, f32::max),
         tail: heights().fold(f32::MAX, f32::min),
         perch,
@@ -80,7 +78,7 @@ fn birds_at_rest_have_the_proportions_of_photographs() {
         let width = rest.width(0.0);
         let slender = width / (rest.crown - rest.tail);
         let wide = rest.width(45.0) / (rest.crown - rest.perch);
-        let inner = rest.secondaries.iter().map(|p| p.x.abs());
+        let inner = rest.inner.iter().map(|p| p.x.abs());
         let parted = 2.0 * inner.fold(f32::MAX, f32::min) / width;
         println!(
             "{name}: behind {slender:.3}, three-quarter {wide:.3}, wings parted by {parted:.3}"

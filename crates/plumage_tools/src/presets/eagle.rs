@@ -5,6 +5,8 @@ use super::template::*;
 use bevy_plumage::anatomy::{Albedo, Bars, Pattern, Rim};
 
 const DOWN: u32 = 0xD8D2C8;
+/// Down at the base of the coat's feathers, shaded by those above: white would speckle it.
+const BASE: u32 = 0x8C8378;
 const DARK: u32 = 0x33271F;
 const BROWN: u32 = 0x4A3524;
 /// Brown of the whole bird: hardly a color, as photographs show it.
@@ -110,7 +112,7 @@ pub(super) fn all() -> Vec<Template> {
         right: ROUND,
         fringe: 0.08,
         gaps: gaps(4, 0.008, 0.4, 33),
-        albedo: rimmed(body(0.46, DOWN, 0x3A2A1E, BROWN), 0.09, 0x8A6D4E),
+        albedo: rimmed(body(0.46, BASE, 0x3A2A1E, BROWN), 0.08, 0x735C46),
         ..head.clone()
     };
     let primary = Template {
@@ -143,8 +145,8 @@ pub(super) fn all() -> Vec<Template> {
                 ])
             };
             faces(
-                pattern(0x8A8075, 0x6A5F55, DARK),
-                pattern(0xB5ACA0, 0x968B80, 0x4E443B),
+                pattern(0x5C534A, 0x554B43, DARK),
+                pattern(0x8F867B, 0x7C7268, 0x4A4038),
             )
         },
         structural: false,
@@ -203,9 +205,11 @@ pub(super) fn all() -> Vec<Template> {
         // What covers the body runs together in streaks: only scapulars and coverts have pale rims.
         Template {
             name: "eagle_body",
-            fringe: 0.14,
-            gaps: gaps(5, 0.010, 0.5, 43),
-            albedo: both(body(0.46, DOWN, 0x38302A, BODY)),
+            left: super::profiles::SOFT,
+            right: super::profiles::SOFT,
+            fringe: 0.26,
+            gaps: gaps(6, 0.010, 0.5, 43),
+            albedo: both(body(0.46, BASE, 0x38302A, BODY)),
             ..contour.clone()
         },
         Template {
@@ -216,7 +220,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.34,
             gaps: gaps(7, 0.010, 0.45, 34),
-            albedo: both(body(0.58, DOWN, 0x463B32, BODY)),
+            albedo: both(body(0.58, BASE, 0x463B32, BODY)),
             ..contour.clone()
         },
         Template {
@@ -259,7 +263,7 @@ pub(super) fn all() -> Vec<Template> {
             },
             fringe: 0.04,
             gaps: gaps(3, 0.007, 0.35, 36),
-            albedo: rimmed(body(0.42, DOWN, 0x38302A, 0x56493F), 0.09, 0x857463),
+            albedo: rimmed(body(0.42, BASE, 0x38302A, 0x56493F), 0.08, 0x746555),
             ..contour.clone()
         },
         Template {
@@ -335,7 +339,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.5,
             gaps: gaps(8, 0.010, 0.5, 41),
-            albedo: both(body(0.55, DOWN, 0x625346, 0x665443)),
+            albedo: both(body(0.55, BASE, 0x625346, 0x665443)),
             ..contour.clone()
         },
         Template {

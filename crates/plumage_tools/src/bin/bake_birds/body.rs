@@ -82,12 +82,20 @@ impl<'a> Body<'a> {
     pub fn before_wing(&self, p: Vec3) -> f32 {
         let [shoulder, _, wrist, _, tip] = self.folded;
         [(shoulder, wrist), (wrist, tip)]
-            .map(|(a, b)| {
-                let forward = Vec3::X.cross(a - b).normalize();
-                (p - wrist).dot(forward)
-            })
+            .map(|(a, b)| (p - wrist).dot(self.forward(a, b)))
             .into_iter()
             .fold(f32::MIN, f32::max)
+    }
+
+    /// Forward across an edge of the folded wing, from the side.
+    fn forward(&self, from: Vec3, to: Vec3) -> Vec3 {
+        Vec3::X.cross(from - to).normalize()
+    }
+
+    /// Forward across the front edge of the folded hand.
+    pub fn before(&self) -> Vec3 {
+        let [_, _, wrist, _, tip] = self.folded;
+        self.forward(wrist, tip)
     }
 
     /// Distances to each part.
@@ -127,20 +135,24 @@ impl<'a> Body<'a> {
         let p = Vec3::new(p.x.abs(), p.y, p.z);
         let parts = self.parts(p);
         let [k, k_tarsus, k_wing] = self.species.blend;
-        let [_, elbow, wrist, ..] = self.folded;
-        // The feathers of the breast's sides swell round the folded wrist.
-        let (s, inward, forward) = if self.species.is_parrot() {
-            (1.0, 22.0, 0.0)
-        } else {
-            (1.9, 20.0, -6.0)
-        };
-        let swell = cone(
-            p,
-            wrist + Vec3::new(-inward, 12.0, forward) * s,
-            wrist + Vec3::new(-inward - 3.0, -30.0, forward) * s,
-            [11.0 * s, 7.0 * s],
+        let [shoulder, elbow, wrist, _, tip] = self.folded;
+        // The feathers of the breast's sides swell before the folded hand, whose front edge they cover.
+        let s = if self.species.is_parrot() { 1.0 } else { 1.9 };
+        let forward = self.before();
+        let [top, low] = self.species.swell.map(|[inward, before, down, _]| {
+            let along = (tip - wrist).normalize();
+            wrist + (forward * before + along * down - Vec3::X * inward) * s
+        });
+        let [wide, narrow] = self.species.swell.map(|point| point[3] * s);
+        // Above the folded wing it runs on to the shoulder.
+        let [inward, above, ..] = self.species.swell[0];
+        let back = shoulder + (self.forward(shoulder, wrist) * above - Vec3::X * inward) * s;
+        let swell = smooth_min(
+            cone(p, top, low, [wide, narrow]).0,
+            cone(p, top, back, [wide, wide]).0,
+            8.0 * s,
         );
-        let trunk = smooth_min(parts.trunk.distance, swell.0, 20.0 * s);
+        let trunk = smooth_min(parts.trunk.distance, swell, 20.0 * s);
         // Those of the flank lie flat below the folded forearm, which they bed.
         let radius = BED * self.species.arm[1];
         let bed = cone(p, elbow, wrist, [radius; 2]).0;

@@ -14,6 +14,7 @@ use crate::skeleton::{Joint, Skeleton};
 use crate::species::{Species, srgb};
 use crate::tables;
 use crate::tract::{self, Tract};
+use crate::wing::WingPlane;
 
 /// Guides on the left half.
 const GUIDES: usize = 240;
@@ -48,6 +49,12 @@ pub fn groom(species: &Species, model: &Model) -> Groom {
             region.layer = t.layer;
             region.segments = Segments::new(t.segments.0, t.segments.1);
             region.tint = Tint(srgb(t.tint.0), srgb(t.tint.1));
+            // One feather hardly differs from the next: coats run together, they are not scaled.
+            region.jitter.yaw = 2.0;
+            region.jitter.roll = 2.0;
+            region.jitter.lift = 0.6;
+            region.jitter.hue = 1.0;
+            region.jitter.value = 0.03;
             region.down = is_downy(t.name).then(|| down(species).into());
             region
         })
@@ -168,6 +175,13 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
         | Tract::LesserUnder
         | Tract::MarginalUnder
         | Tract::CovertUnder => d = wing_lay(species, body, tract, p),
+        Tract::Breast => {
+            // At its sides the breast closes over the front edge of the folded wing.
+            let reach = 45.0 * species.scale;
+            let near = 1.0 - (body.before_wing(p.abs()) / reach).clamp(0.0, 1.0);
+            d -= body.before() * (0.6 * near);
+            d.x += side * 0.18 * (1.0 - near);
+        }
         _ => {
             // Scapulars fan out over the folded wing.
             d.x += side
@@ -208,7 +222,12 @@ fn wing_lay(species: &Species, body: &Body, tract: Tract, p: Vec3) -> Vec3 {
         let along = wing.azimuths[2];
         along + (remex - along) * (1.0 - 0.55 * (hand / 0.2).min(1.0))
     } else {
-        across + (remex - across) * (0.7 + 0.3 * c)
+        // Part of the way to where the folded remiges point: they turn further than the skin of the forearm.
+        let folded = WingPlane::new(species, species.fold);
+        let share = 1.0 - inner;
+        let lag =
+            folded.secondary(share, species).0 - folded.azimuths[1] - (arm - wing.azimuths[1]);
+        across + (remex - across) * (0.7 + 0.3 * c) + 0.3 * lag * inner
     };
     let mut d = wing.direction(azimuth.max(40.0 * reach.min(1.0)));
     if tract == Tract::MarginalUpper {

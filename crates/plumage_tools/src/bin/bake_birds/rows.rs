@@ -80,7 +80,8 @@ impl<'a> Builder<'a> {
         let [primaries, secondaries, rectrices] = tables::lengths(self.species.is_parrot());
         let lengths = match look.name {
             "primaries" => primaries,
-            "secondaries" => secondaries,
+            "secondaries" => secondaries[..n].to_vec(),
+            "tertials" => secondaries[secondaries.len() - n..].to_vec(),
             "rectrices" => rectrices,
             _ => ramp(look.length, n),
         };
@@ -101,7 +102,8 @@ impl<'a> Builder<'a> {
         // Proximal over distal, coverts over remiges.
         let layer = match look.name {
             "primaries" => Span(719., 710.),
-            "secondaries" => Span(720., 740.),
+            "secondaries" => Span(720., 735.),
+            "tertials" => Span(736., 740.),
             "alula" => Span(830., 835.),
             "rectrices" => Span(109., 100.),
             "primary_coverts" => Span(809., 800.),
@@ -153,15 +155,26 @@ impl<'a> Builder<'a> {
                     self.primary_follow(number),
                 )
             }
-            "secondaries" => {
-                let (root, ride) = self.arm_point(t, 1.0);
-                let direction = self.bind.direction(self.bind.secondary(t, self.species).0);
+            // Tertials go on where the secondaries end; behind the elbow they curve down onto the rump.
+            "secondaries" | "tertials" => {
+                let [_, remiges, _] = tables::lengths(self.species.is_parrot());
+                let last = remiges.len() - 1;
+                let place = if name == "tertials" {
+                    (self.ulna_share * remiges.len() as f32).round() as usize + index
+                } else {
+                    index
+                };
+                let share = place as f32 / last as f32;
+                let (root, ride) = self.arm_point(share, 1.0);
+                let direction = self
+                    .bind
+                    .direction(self.bind.secondary(share, self.species).0);
                 (
-                    root + n * (step * (index as f32 - 6.0)),
+                    root + n * (step * (place as f32 - 6.0)),
                     direction,
                     self.tilt(direction, 2.0),
                     ride,
-                    self.secondary_follow(t),
+                    self.secondary_follow(share),
                 )
             }
             "alula" => {

@@ -91,6 +91,9 @@ pub struct Species {
     pub spread: WingPose,
     /// Degrees by which the innermost feather of the folded arm points further up than the primaries: row tips run across the wing.
     pub fold_fan: f32,
+    /// The swell of plumage before the folded hand, above and below: inward, before and down along the hand from the wrist, and its
+    /// radius; mm on the macaw.
+    pub swell: [[f32; 4]; 2],
     /// Tailward axis of the wing plane below horizontal, degrees.
     pub wing_slope: f32,
     /// Radii of humerus, forearm, hand, half thickness of the patagium, width of the strip behind the ulna.
@@ -198,10 +201,10 @@ pub fn macaw() -> Species {
             [0.0, 48.0, -74.0, 53.0, 30.0, 38.0, 0.50],
             [20.0, 49.0, -61.0, 68.0, 46.0, 56.0, 0.52],
             [40.0, 50.0, -48.0, 83.0, 65.3, 76.0, 0.56],
-            [65.0, 52.0, -33.0, 102.0, 89.4, 84.0, 0.60],
-            [90.0, 54.0, -18.0, 123.0, 109.2, 91.0, 0.62],
-            [115.0, 56.0, -3.0, 143.0, 121.9, 95.0, 0.62],
-            [140.0, 58.0, 11.0, 164.0, 127.3, 99.0, 0.60],
+            [65.0, 52.0, -33.0, 102.0, 97.0, 87.6, 0.616],
+            [90.0, 54.0, -18.0, 123.0, 117.0, 95.0, 0.64],
+            [115.0, 56.0, -3.0, 143.0, 126.5, 100.0, 0.64],
+            [140.0, 58.0, 11.0, 164.0, 127.3, 103.5, 0.615],
             [165.0, 61.0, 23.0, 186.0, 124.2, 106.1, 0.58],
             [190.0, 65.0, 35.0, 208.0, 114.4, 110.0, 0.56],
             [212.0, 71.0, 43.0, 228.0, 99.4, 103.2, 0.52],
@@ -252,7 +255,7 @@ pub fn macaw() -> Species {
             wrist: 46.,
             roll: 76.,
             toe: -4.,
-            push: 14.,
+            push: 17.,
             tuck: 8.,
         },
         bind: WingPose {
@@ -274,6 +277,7 @@ pub fn macaw() -> Species {
             tuck: 0.,
         },
         fold_fan: 6.,
+        swell: [[17., 3., -1., 11.], [23., 2., 62., 6.]],
         wing_slope: 58.,
         arm: [9.5, 9.5, 6.5, 3.5, 12.],
         legs: [[24., 22.], [22., 15.], [6.5, 6.5]],
@@ -391,10 +395,11 @@ pub fn eagle() -> Species {
             push: 0.,
             tuck: 0.,
         },
-        fold_fan: -2.,
+        fold_fan: 3.,
+        swell: [[17., 3., 1., 11.], [18., 4., 38., 8.]],
         wing_slope: 63.,
         arm: [17., 17., 11., 6., 22.],
-        legs: [[46., 44.], [48., 32.], [18., 15.]],
+        legs: [[50., 50.], [54., 42.], [19., 16.]],
         feathered_tarsus: true,
         blend: [21., 8., 16.],
         toes: [38., 45., 68., 48.],

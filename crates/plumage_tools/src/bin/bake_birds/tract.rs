@@ -45,7 +45,7 @@ pub enum Tract {
 }
 
 /// Where the breast begins before the front edge of the folded wing, mm on the macaw: feathers rooted nearer lie below the wing.
-const LAP: f32 = 9.0;
+const LAP: f32 = 11.0;
 
 /// Tract at a point of the skin.
 pub fn classify(body: &Body, p: Vec3) -> Tract {
@@ -144,8 +144,17 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
             Tract::Vent
         };
     }
-    if arc > side(body) && theta < 100.0 {
-        return Tract::Side;
+    // The mantle closes the shoulder, where the folded patagium leaves the trunk.
+    if arc > arcs.scapulars - 18.0 * s.scale && theta < 84.0 {
+        return Tract::Mantle;
+    }
+    // What lies above the folded wing hangs down over its upper edge.
+    if arc > side(body) && theta < 102.0 {
+        return if body.before_wing(q) > 0.0 {
+            Tract::Breast
+        } else {
+            Tract::Side
+        };
     }
     Tract::Flank
 }
@@ -233,7 +242,8 @@ fn wing(body: &Body, q: Vec3) -> Tract {
         }
     } else {
         match c {
-            c if c < 0.25 => Tract::MarginalUnder,
+            // Below the hand none is so long that it would stick out before the folded wing.
+            c if c < if on_hand { 0.78 } else { 0.25 } => Tract::MarginalUnder,
             c if inner || c < 0.78 => Tract::LesserUnder,
             _ => Tract::CovertUnder,
         }
@@ -301,8 +311,7 @@ pub fn color(parrot: bool, tract: Tract) -> u32 {
     if parrot {
         match tract {
             Bare | EyeRing => 0xF0E3D8,
-            Rump | TailUpper | TailUnder => 0x5DA9DC,
-            Vent => 0xB0301C,
+            Rump | Vent | TailUpper | TailUnder => 0x5DA9DC,
             Back => 0xB83A24,
             CovertUpper | Elbow => 0xB08E24,
             LesserUnder | MarginalUnder | CovertUnder => 0xB03020,
