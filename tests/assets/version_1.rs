@@ -5,22 +5,26 @@ use bevy_plumage::asset::{AssetError, RonAsset};
 use bevy_plumage::groom::*;
 use plumage_tests::shipped;
 
+fn read<A: RonAsset>(file: &str) -> A {
+    A::from_ron(&bytes(file), file).unwrap_or_else(|error| panic!("{error}"))
+}
+
 fn bytes(file: &str) -> Vec<u8> {
-    let path = plumage_tests::root().join("tests/assets/v1").join(file);
+    let path = plumage_tests::root().join("tests/assets").join(file);
     std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// A file of version 1.
 fn old<A: RonAsset>(file: &str) -> A {
-    A::from_ron(&bytes(file), file).unwrap_or_else(|error| panic!("{error}"))
+    read(&format!("v1/{file}"))
 }
 
 #[test]
-fn feathers_of_version_1_are_the_ones_shipped() {
+fn feathers_of_version_1_are_those_of_version_2() {
     // The first has bars and a back, the second a rim.
     for name in ["eagle_primary", "eagle_contour"] {
         let feather: Feather = old(&format!("{name}.feather.ron"));
-        assert_eq!(feather, shipped::feather(name));
+        assert_eq!(feather, read(&format!("v2/{name}.feather.ron")));
         assert_eq!(feather.version, Feather::VERSION);
     }
 }
@@ -108,7 +112,7 @@ fn a_groom_of_version_1_keeps_every_value() {
 
 #[test]
 fn damage_in_an_old_file_has_a_place_and_a_range() {
-    let text = String::from_utf8(bytes("small.groom.ron")).unwrap();
+    let text = String::from_utf8(bytes("v1/small.groom.ron")).unwrap();
     let odd = text.replacen("unit:", "units:", 1);
     let error = Groom::from_ron(odd.as_bytes(), "x").unwrap_err();
     assert!(
