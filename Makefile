@@ -2,11 +2,12 @@
 CARGO ?= cargo
 ARGS ?=
 
-.PHONY: help minimal parrot eagle pigeon flock wind single fur chick inspector tour test test-long golden gallery charts bench gpu-cost judge blender docs birds feathers tables setup
+.PHONY: help minimal parrot eagle owl pigeon flock wind single fur chick inspector tour test test-long golden gallery charts bench gpu-cost judge blender docs birds feathers tables setup
 
 help:
 	@echo "Examples: a window, or off screen without a display; ARGS='--camera closeup' passes options, ARGS=--help lists them."
-	@echo "  make parrot | eagle | flock      two parrots; a golden eagle; twenty equal parrots"
+	@echo "  make parrot | eagle | owl        two parrots; a golden eagle; a barn owl"
+	@echo "  make flock                       twenty equal parrots"
 	@echo "  make pigeon                      a rock dove's neck, which changes between green and purple as it turns"
 	@echo "  make wind                        a parrot in changing wind, ruffling its feathers"
 	@echo "  make single                      one feather"
@@ -32,7 +33,7 @@ help:
 setup:
 	@./scripts/setup.sh
 
-parrot eagle pigeon flock wind fur chick: setup
+parrot eagle owl pigeon flock wind fur chick: setup
 	$(CARGO) run --example $@ -- $(ARGS)
 
 minimal: setup
@@ -78,6 +79,7 @@ charts: setup
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin query_charts
 	$(CARGO) run --features comparison --example parrot -- --headless --scene studio --size 240x135 --time 0 --camera closeup --compare docs/charts/parrot_closeup.json
 	$(CARGO) run --features comparison --example parrot -- --headless --scene studio --size 1280x720 --time 0 --camera hero --transparency hashed --compare docs/charts/parrot_hero.json
+	$(CARGO) run --example parrot -- --headless --scene studio --size 480x270 --time 0 --light-cost docs/charts/light_budget.csv
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin photo_charts
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin undercoat_charts
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin fur_charts

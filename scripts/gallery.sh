@@ -26,6 +26,10 @@ show eagle eagle_full --size 640x480 --camera full --accumulate "$samples"
 show eagle eagle_back --size 640x480 --camera back --accumulate "$samples"
 show eagle eagle_closeup --size 640x480 --camera closeup --time 0
 show eagle eagle_stretch --size 640x480 --time 3.9
+show owl owl --size 800x600 --accumulate "$samples"
+show owl owl_full --size 640x480 --camera full --accumulate "$samples"
+show owl owl_back --size 640x480 --camera back --accumulate "$samples"
+show owl owl_closeup --size 640x480 --camera closeup --accumulate "$samples"
 show single_feather feather --size 480x640
 show single_feather feather_back --size 480x640 --camera back
 show single_feather feather_closeup --size 640x480 --camera closeup

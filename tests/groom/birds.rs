@@ -8,6 +8,9 @@ use gltf_json::mesh::Semantic;
 use gltf_json::validation::Checked::Valid;
 use plumage_tests::asset;
 
+/// All birds that are shipped.
+const BIRDS: [&str; 3] = ["parrot", "eagle", "owl"];
+
 struct Glb {
     root: gltf_json::Root,
     bin: Vec<u8>,
@@ -86,7 +89,7 @@ fn tracts_of(select: &Select, out: &mut Vec<u32>) {
 
 #[test]
 fn birds_are_symmetric_in_the_plane_that_mirror_flags_mean() {
-    for bird in ["parrot", "eagle"] {
+    for bird in BIRDS {
         let positions: Vec<bevy::math::Vec3> = glb(bird)
             .attribute(0, 0, Semantic::Positions, 3)
             .iter()
@@ -102,7 +105,7 @@ fn birds_are_symmetric_in_the_plane_that_mirror_flags_mean() {
 
 #[test]
 fn skeletons_have_57_distinct_named_joints() {
-    for bird in ["parrot", "eagle"] {
+    for bird in BIRDS {
         let g = glb(bird);
         let names = g.joint_names();
         assert_eq!(names.len(), 57, "{bird}");
@@ -128,7 +131,7 @@ fn skeletons_have_57_distinct_named_joints() {
 
 #[test]
 fn weights_sum_to_one_and_colors_and_normals_are_finite() {
-    for bird in ["parrot", "eagle"] {
+    for bird in BIRDS {
         let g = glb(bird);
         for (m, mesh) in g.root.meshes.iter().enumerate() {
             for p in 0..mesh.primitives.len() {
@@ -161,6 +164,7 @@ fn birds_have_the_size_of_birds() {
     for (bird, height, span) in [
         ("parrot", 0.33..0.40, 0.45..0.65),
         ("eagle", 0.52..0.62, 0.9..1.2),
+        ("owl", 0.27..0.32, 0.4..0.55),
     ] {
         let g = glb(bird);
         let p = g.attribute(0, 0, Semantic::Positions, 3);
@@ -178,7 +182,7 @@ fn birds_have_the_size_of_birds() {
 
 #[test]
 fn skin_is_closed() {
-    for bird in ["parrot", "eagle"] {
+    for bird in BIRDS {
         let g = glb(bird);
         let points = g.attribute(0, 0, Semantic::Positions, 3);
         let indices = g.root.meshes[0].primitives[0].indices.expect("indexed");
@@ -203,7 +207,7 @@ fn skin_is_closed() {
 
 #[test]
 fn grooms_hold_the_counted_feathers() {
-    for (bird, count) in [("parrot", 6250), ("eagle", 6350)] {
+    for (bird, count) in [("parrot", 6250), ("eagle", 6350), ("owl", 6598)] {
         let g = groom(bird);
         assert_eq!(g.version, Groom::VERSION);
         let scattered: u32 = g.regions.iter().map(|r| r.count).sum();
@@ -238,7 +242,7 @@ fn grooms_hold_the_counted_feathers() {
 
 #[test]
 fn every_tract_of_a_groom_is_on_its_mesh() {
-    for bird in ["parrot", "eagle"] {
+    for bird in BIRDS {
         let g = glb(bird);
         let present: BTreeSet<u32> = g
             .attribute(0, 0, Semantic::TexCoords(1), 2)
@@ -265,7 +269,7 @@ fn every_tract_of_a_groom_is_on_its_mesh() {
 
 #[test]
 fn rows_stand_on_joints_and_frames_are_orthonormal() {
-    for bird in ["parrot", "eagle"] {
+    for bird in BIRDS {
         let joints = glb(bird).joint_names();
         for row in groom(bird).rows {
             assert!(
@@ -296,7 +300,7 @@ fn rows_stand_on_joints_and_frames_are_orthonormal() {
 
 #[test]
 fn idle_loops() {
-    for (bird, seconds) in [("parrot", 5.0), ("eagle", 6.0)] {
+    for (bird, seconds) in [("parrot", 5.0), ("eagle", 6.0), ("owl", 6.0)] {
         let g = glb(bird);
         assert_eq!(g.root.animations.len(), 1);
         let clip = &g.root.animations[0];
@@ -345,7 +349,7 @@ fn idle_loops() {
 
 #[test]
 fn idle_has_no_jumps() {
-    for bird in ["parrot", "eagle"] {
+    for bird in BIRDS {
         let g = glb(bird);
         let clip = &g.root.animations[0];
         for c in &clip.channels {

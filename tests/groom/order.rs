@@ -1,4 +1,4 @@
-//! The coats of the two birds lie in order: ranks, and what can be seen of them in the poses that the birds wear.
+//! The coats of the birds lie in order: ranks, and what can be seen of them in the poses that the birds wear.
 
 use bevy_plumage::{FeatherSettings, groom::Coat};
 use plumage_tests::{
@@ -10,7 +10,12 @@ use std::sync::OnceLock;
 pub fn groomed(name: &'static str) -> &'static (SceneBird, Coat) {
     static PARROT: OnceLock<(SceneBird, Coat)> = OnceLock::new();
     static EAGLE: OnceLock<(SceneBird, Coat)> = OnceLock::new();
-    let cell = if name == "parrot" { &PARROT } else { &EAGLE };
+    static OWL: OnceLock<(SceneBird, Coat)> = OnceLock::new();
+    let cell = match name {
+        "parrot" => &PARROT,
+        "eagle" => &EAGLE,
+        _ => &OWL,
+    };
     cell.get_or_init(|| {
         let bird = SceneBird::load(name);
         let coat = bird.groom(1, 1.0);
@@ -20,7 +25,7 @@ pub fn groomed(name: &'static str) -> &'static (SceneBird, Coat) {
 
 #[test]
 fn ranks_are_a_permutation_and_rows_keep_their_own_order() {
-    for name in ["parrot", "eagle"] {
+    for name in ["parrot", "eagle", "owl"] {
         let (bird, coat) = groomed(name);
         let mut ranks: Vec<f32> = coat.cards.iter().map(|card| card.layer).collect();
         ranks.sort_by(f32::total_cmp);
@@ -51,7 +56,7 @@ struct Bounds {
     stretch: (f32, [(f32, f32); 2]),
 }
 
-const BOUNDS: [Bounds; 2] = [
+const BOUNDS: [Bounds; 3] = [
     Bounds {
         name: "parrot",
         quiet: [(3.75, 1.15), (0.85, 0.33)],
@@ -61,6 +66,11 @@ const BOUNDS: [Bounds; 2] = [
         name: "eagle",
         quiet: [(6.8, 0.72), (2.0, 0.35)],
         stretch: (4.05, [(6.9, 1.0), (2.4, 0.52)]),
+    },
+    Bounds {
+        name: "owl",
+        quiet: [(5.4, 0.45), (1.4, 0.25)],
+        stretch: (4.05, [(6.0, 1.1), (2.2, 0.65)]),
     },
 ];
 

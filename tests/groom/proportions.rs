@@ -90,3 +90,43 @@ fn birds_at_rest_have_the_proportions_of_photographs() {
         assert!(parted < 0.12, "{name}: {parted}");
     }
 }
+
+#[test]
+fn the_owl_has_the_measures_of_its_species() {
+    let (bird, coat) = groomed("owl");
+    let pose = bird.skinning(Some(0.0));
+    let posed = bird.pose(coat, &SceneBird::vertices(coat, &pose), &pose);
+    // Points of a row's feathers on the left.
+    let points = |name: &str| -> Vec<Vec3> {
+        let row = bird.groom.rows.iter().position(|row| row.name == name);
+        let region = (bird.groom.regions.len() + row.expect("a row")) as u16;
+        let cards = coat.cards.iter().zip(&coat.geometry);
+        cards
+            .filter(|(card, _)| card.region == region)
+            .flat_map(|(_, geometry)| {
+                let first = geometry.first_vertex as usize;
+                &posed.cards[first..first + geometry.vertex_count as usize]
+            })
+            .copied()
+            .filter(|point| point.x > 0.0)
+            .collect()
+    };
+    let furthest = |from: &[Vec3], to: &[Vec3]| {
+        let pairs = from.iter().flat_map(|a| to.iter().map(|b| a.distance(*b)));
+        pairs.fold(0.0, f32::max)
+    };
+    // From the wrist, where the primaries' coverts begin, to the tip; from the root of the tail to its end. Millimetres.
+    let wing = 1000.0 * furthest(&points("primary_coverts"), &points("primaries"));
+    let rectrices = points("rectrices");
+    let tail = 1000.0 * furthest(&rectrices, &rectrices);
+    let rest = rest("owl", 0.024);
+    let inner = rest.inner.iter().map(|p| p.x.abs());
+    let parted = 2.0 * inner.fold(f32::MAX, f32::min) / rest.width(0.0);
+    let slender = rest.width(0.0) / (rest.crown - rest.tail);
+    println!(
+        "owl: wing {wing:.0}, tail {tail:.0}, behind {slender:.3}, wings parted by {parted:.3}"
+    );
+    assert!((268.0..296.0).contains(&wing), "{wing}");
+    assert!((107.0..126.0).contains(&tail), "{tail}");
+    assert!(parted < 0.12, "{parted}");
+}

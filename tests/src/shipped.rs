@@ -6,7 +6,7 @@ use bevy_plumage::{
 
 /// The names of all feathers: the macaw's, the eagle's, one neutral feather of each type; then, behind those that synthetic
 /// photographs show, what came later.
-pub const FEATHERS: [&str; 44] = [
+pub const FEATHERS: [&str; 59] = [
     "macaw_head",
     "macaw_face_line",
     "macaw_neck",
@@ -51,6 +51,21 @@ pub const FEATHERS: [&str; 44] = [
     "mallard_speculum",
     "pigeon_neck",
     "hummingbird_gorget",
+    "owl_head",
+    "owl_disc",
+    "owl_ruff",
+    "owl_mantle",
+    "owl_breast",
+    "owl_spot",
+    "owl_soft",
+    "owl_semiplume",
+    "owl_lesser",
+    "owl_greater",
+    "owl_primary",
+    "owl_secondary",
+    "owl_rectrix",
+    "owl_leg",
+    "owl_tarsal",
 ];
 
 /// How many of them synthetic photographs show: a corpus stays the same whatever feathers are added.

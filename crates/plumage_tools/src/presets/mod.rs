@@ -1,6 +1,6 @@
-//! Feathers made in code: two birds and one neutral feather per type. Only numbers of feathers live here.
+//! Feathers made in code: three birds and one neutral feather per type. Only numbers of feathers live here.
 //!
-//! `macaw_*` and `eagle_*` follow docs/book/birds.md#sources-of-the-data; the neutral ones
+//! `macaw_*`, `eagle_*` and `owl_*` follow docs/book/birds.md#sources-of-the-data; the neutral ones
 //! take the medians of measured birds, and four shimmer. The tool `bake_feathers` makes the files in `assets/feathers` from these.
 //! The left vane is the leading, narrower one of a flight feather; grooms mirror it where needed.
 
@@ -8,6 +8,7 @@ mod eagle;
 mod generic;
 mod iridescent;
 mod macaw;
+mod owl;
 mod profiles;
 mod template;
 
@@ -18,6 +19,7 @@ fn templates() -> impl Iterator<Item = template::Template> {
         .into_iter()
         .chain(eagle::all())
         .chain(generic::all())
+        .chain(owl::all())
 }
 
 /// Every preset; its name is [`Feather::name`], its file `NAME.feather.ron`.

@@ -32,7 +32,8 @@ pub fn cone(p: Vec3, a: Vec3, b: Vec3, radii: [f32; 2]) -> (f32, f32) {
     )
 }
 
-fn smooth_min(a: f32, b: f32, k: f32) -> f32 {
+/// Minimum of two distances, rounded over `k`.
+pub fn smooth_min(a: f32, b: f32, k: f32) -> f32 {
     let h = (0.5 + 0.5 * (b - a) / k).clamp(0.0, 1.0);
     b * (1.0 - h) + a * h - k * h * (1.0 - h)
 }
@@ -137,7 +138,7 @@ impl<'a> Body<'a> {
         let [k, k_tarsus, k_wing] = self.species.blend;
         let [shoulder, elbow, wrist, _, tip] = self.folded;
         // The feathers of the breast's sides swell before the folded hand, whose front edge they cover.
-        let s = if self.species.is_parrot() { 1.0 } else { 1.9 };
+        let s = self.species.swell_scale;
         let forward = self.before();
         let [top, low] = self.species.swell.map(|[inward, before, down, _]| {
             let along = (tip - wrist).normalize();
@@ -158,16 +159,10 @@ impl<'a> Body<'a> {
         let bed = cone(p, elbow, wrist, [radius; 2]).0;
         let trunk = -smooth_min(-trunk, bed, radius);
         let mut d = smooth_min(trunk, parts.head.distance, 1.15 * k);
-        if self.species.feathered_tarsus {
-            // The brow ridge, which gives the eagle its scowl.
+        if let Some(brow) = self.species.brow {
             let eye = self.species.joint("eye_L");
-            let ridge = cone(
-                p,
-                eye + Vec3::new(-2.5, 10.0, 10.0),
-                eye + Vec3::new(-2.0, 11.5, -9.0),
-                [5.0, 5.5],
-            );
-            d = smooth_min(d, ridge.0, 7.0);
+            let [from, to] = [brow.from, brow.to].map(|end| eye + Vec3::from_array(end));
+            d = smooth_min(d, cone(p, from, to, brow.radii).0, brow.blend);
         }
         // The plumage of thigh and belly runs on without a crease.
         d = smooth_min(

@@ -50,7 +50,7 @@ pub fn refine(body: &Body, surface: &mut Surface, inside: impl Fn(Vec3) -> bool)
 
 /// Splits triangles that span two colors; returns one tract per triangle of the new surface.
 pub fn clip(body: &Body, surface: &mut Surface) -> Vec<Tract> {
-    let parrot = body.species.is_parrot();
+    let skin = |t: Tract| body.species.skin_color(t);
     let class: Vec<Tract> = surface
         .points
         .iter()
@@ -60,7 +60,7 @@ pub fn clip(body: &Body, surface: &mut Surface) -> Vec<Tract> {
     let mut out: Vec<([u32; 3], Tract)> = Vec::with_capacity(surface.triangles.len() * 5 / 4);
     for t in std::mem::take(&mut surface.triangles) {
         let own = t.map(|i| class[i as usize]);
-        let k = own.map(|t| tract::color(parrot, t));
+        let k = own.map(skin);
         let mut cut = |a: u32, b: u32, surface: &mut Surface| {
             let key = (a.min(b), a.max(b));
             *cuts.entry(key).or_insert_with(|| {
@@ -104,7 +104,7 @@ pub fn clip(body: &Body, surface: &mut Surface) -> Vec<Tract> {
         .map(|(t, corner)| {
             let centre = t.iter().map(|i| surface.points[*i as usize]).sum::<Vec3>() / 3.0;
             let middle = tract::classify(body, centre);
-            if tract::color(parrot, middle) == tract::color(parrot, *corner) {
+            if skin(middle) == skin(*corner) {
                 middle
             } else {
                 *corner
@@ -117,8 +117,7 @@ pub fn clip(body: &Body, surface: &mut Surface) -> Vec<Tract> {
 
 /// Where the tract of `a` ends on the edge to `b`, kept off the ends.
 fn crossing(body: &Body, a: Vec3, b: Vec3) -> Vec3 {
-    let parrot = body.species.is_parrot();
-    let color = |p: Vec3| tract::color(parrot, tract::classify(body, p));
+    let color = |p: Vec3| body.species.skin_color(tract::classify(body, p));
     let own = color(a);
     let (mut low, mut high) = (0.0_f32, 1.0_f32);
     for _ in 0..8 {

@@ -291,7 +291,7 @@ pub fn write(species: &Species, model: &Model) -> Result<Vec<u8>, String> {
 
 /// Samples the idle clip; only joints that move, or that rest away from their bind pose, get channels.
 fn animate(w: &mut Writer, species: &Species, model: &Model) {
-    let frames = (species.idle * RATE).round() as usize;
+    let frames = (species.motion.seconds * RATE).round() as usize;
     let times: Vec<[f32; 1]> = (0..=frames).map(|i| [i as f32 / RATE]).collect();
     let mut poses: Vec<_> = times
         .iter()

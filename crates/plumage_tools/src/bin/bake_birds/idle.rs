@@ -7,14 +7,11 @@ use crate::skeleton::{Pose, Skeleton};
 use crate::species::{Species, WingPose};
 use crate::wing::WingPlane;
 
-/// Value of a track of (time, value) keys, eased between unequal keys.
+/// Value of a track of (time, value) keys, eased between unequal keys; zero without keys.
 fn track(keys: &[(f32, f32)], t: f32) -> f32 {
     let k = keys.partition_point(|(at, _)| *at <= t);
-    if k == 0 {
-        return keys[0].1;
-    }
-    if k == keys.len() {
-        return keys[k - 1].1;
+    if k == 0 || k == keys.len() {
+        return keys.get(k.saturating_sub(1)).map_or(0.0, |key| key.1);
     }
     let ((t0, a), (t1, b)) = (keys[k - 1], keys[k]);
     let u = (t - t0) / (t1 - t0);
@@ -36,14 +33,7 @@ fn pulse(t: f32, start: f32, end: f32, ease: f32, value: f32) -> f32 {
 
 /// Share of the way from folded to half open, for the left and the right wing.
 fn wings(species: &Species, t: f32) -> [f32; 2] {
-    if species.is_parrot() {
-        [
-            track(&[(2.4, 0.0), (3.2, 0.72), (3.5, 0.72), (4.4, 0.0)], t),
-            0.0,
-        ]
-    } else {
-        [track(&[(3.6, 0.0), (4.0, 0.25), (4.2, 0.25), (4.8, 0.0)], t); 2]
-    }
+    species.motion.wings.map(|wing| track(wing, t))
 }
 
 /// Wing poses (left, right) at a time.
@@ -83,9 +73,9 @@ pub fn set_wings(species: &Species, skeleton: &Skeleton, pose: &mut Pose, wings:
 
 /// The perched pose of the clip at a time.
 pub fn pose(species: &Species, skeleton: &Skeleton, t: f32) -> Pose {
-    let parrot = species.is_parrot();
+    let motion = &species.motion;
     let mut p = skeleton.bind();
-    let end = species.idle;
+    let end = motion.seconds;
     let cycle = (t / end * 2.0).rem_euclid(1.0);
     // Inhaling takes 40 % of a breath.
     let breath = if cycle < 0.4 {
@@ -93,18 +83,13 @@ pub fn pose(species: &Species, skeleton: &Skeleton, t: f32) -> Pose {
     } else {
         0.5 + 0.5 * (std::f32::consts::PI * (cycle - 0.4) / 0.6).cos()
     };
-    let (swell, bob, counter) = if parrot {
-        (0.025, 1.5, 2.0)
-    } else {
-        (0.018, 1.0, 1.0)
-    };
     let at = |name: &str| skeleton.index(name);
-    let s = 1.0 + swell * breath;
+    let s = 1.0 + motion.swell * breath;
     p.scale[at("chest")] = Vec3::new(s, s, 1.0);
     for name in ["neck1", "scap_L", "scap_R"] {
         p.scale[at(name)] = Vec3::new(1.0 / s, 1.0 / s, 1.0);
     }
-    let lift = bob * (breath - 0.5);
+    let lift = motion.bob * (breath - 0.5);
     p.offset[at("hips")].y = lift;
     // The head stays fixed in space while the body bobs.
     let chest_to_neck = skeleton.offset(at("neck1")).y;
@@ -113,20 +98,20 @@ pub fn pose(species: &Species, skeleton: &Skeleton, t: f32) -> Pose {
         // The feet keep their hold: the thigh takes up the bob.
         p.offset[at(&format!("femur_{side}"))].y = -lift;
     }
-    let rouse_at = if parrot { 2.2 } else { 3.8 };
+    let [rouse_at, rate] = motion.rouse;
     let since = t - rouse_at;
     let shimmy = if since > 0.0 {
-        let rate = if parrot { 7.0 } else { 5.0 };
         let fade = (-since / 0.5).exp() * (1.0 - (since / 1.2).min(1.0)).powi(2);
         2.0 * (std::f32::consts::TAU * rate * since).sin() * fade
     } else {
         0.0
     };
-    let flick = if parrot {
-        pulse(t, 2.7, 4.2, 0.1, 1.0) * 4.0 * (std::f32::consts::TAU * 2.0 * (t - 2.7)).sin()
-    } else {
-        0.0
-    };
+    let flick = motion.flick.map_or(0.0, |flick| {
+        let [start, end] = flick.span;
+        pulse(t, start, end, flick.ease, 1.0)
+            * flick.degrees
+            * (std::f32::consts::TAU * flick.rate * (t - start)).sin()
+    });
     let turn = |x: f32, y: f32, z: f32| {
         Quat::from_rotation_y(y.to_radians())
             * Quat::from_rotation_x(x.to_radians())
@@ -139,63 +124,13 @@ pub fn pose(species: &Species, skeleton: &Skeleton, t: f32) -> Pose {
         -species.tail[0].to_radians().cos(),
     );
     let tail_up = tail_axis.cross(Vec3::NEG_X).normalize();
-    p.rotation[at("tail")] = turn(counter * (breath - 0.5), 0.0, 0.0)
+    p.rotation[at("tail")] = turn(motion.counter * (breath - 0.5), 0.0, 0.0)
         * Quat::from_axis_angle(tail_up, flick.to_radians());
-    let fan = if parrot {
-        track(&[(2.4, 0.0), (3.2, 9.0), (3.5, 9.0), (4.3, 0.0)], t)
-    } else {
-        track(&[(3.5, 0.0), (4.0, 6.0), (4.3, 6.0), (4.9, 0.0)], t)
-    };
+    let fan = track(motion.fan, t);
     p.rotation[at("tail_fan_L")] = fan_rotation(species, fan);
     p.rotation[at("tail_fan_R")] = fan_rotation(species, -fan);
 
-    let (yaw, pitch, roll) = if parrot {
-        (
-            track(
-                &[
-                    (0.5, 0.0),
-                    (0.62, 22.0),
-                    (1.88, 22.0),
-                    (2.0, -40.0),
-                    (2.36, -40.0),
-                    (2.5, -15.0),
-                    (3.4, -15.0),
-                    (3.54, 8.0),
-                    (4.5, 8.0),
-                    (4.62, 0.0),
-                ],
-                t,
-            ),
-            track(
-                &[
-                    (2.0, 0.0),
-                    (2.14, -6.0),
-                    (3.4, -6.0),
-                    (3.54, 4.0),
-                    (4.5, 4.0),
-                    (4.62, 0.0),
-                ],
-                t,
-            ),
-            track(&[(3.4, 0.0), (3.54, 18.0), (4.3, 18.0), (4.6, 0.0)], t),
-        )
-    } else {
-        (
-            track(
-                &[
-                    (0.68, 0.0),
-                    (0.8, 35.0),
-                    (2.6, 35.0),
-                    (2.74, -28.0),
-                    (4.6, -28.0),
-                    (4.74, 0.0),
-                ],
-                t,
-            ),
-            track(&[(2.6, 0.0), (2.74, 8.0), (4.6, 8.0), (4.74, 0.0)], t),
-            0.0,
-        )
-    };
+    let [yaw, pitch, roll] = [motion.yaw, motion.pitch, motion.roll].map(|keys| track(keys, t));
     for (name, share) in [
         ("neck1", 0.1),
         ("neck2", 0.15),
@@ -205,20 +140,17 @@ pub fn pose(species: &Species, skeleton: &Skeleton, t: f32) -> Pose {
     ] {
         p.rotation[at(name)] = turn(pitch * share, yaw * share, roll * share);
     }
-    let (jaw, upper) = if parrot {
-        let chew = pulse(t, 4.0, 4.22, 0.1, 1.0) + pulse(t, 4.26, 4.5, 0.1, 1.0);
-        (6.0 * chew, 2.0 * chew)
-    } else {
-        (pulse(t, 5.0, 5.4, 0.15, 4.0), 0.0)
-    };
+    let open: f32 = motion
+        .jaw
+        .pulses
+        .iter()
+        .map(|[start, end, ease]| pulse(t, *start, *end, *ease, 1.0))
+        .sum();
+    let (jaw, upper) = (motion.jaw.open * open, motion.jaw.lift * open);
     p.rotation[at("jaw")] = turn(jaw, 0.0, 0.0);
     p.rotation[at("upper_bill")] = turn(-upper, 0.0, 0.0);
-    let blinks: &[f32] = if parrot {
-        &[1.1, 3.45]
-    } else {
-        &[0.7, 2.7, 4.7]
-    };
-    let shut: f32 = blinks
+    let shut: f32 = motion
+        .blinks
         .iter()
         .map(|b| pulse(t, *b, *b + 0.16, 0.06, 1.0))
         .sum();
@@ -230,10 +162,11 @@ pub fn pose(species: &Species, skeleton: &Skeleton, t: f32) -> Pose {
         p.rotation[at(&format!("lid_lo_{side}"))] = reflect(lower);
         p.rotation[at(&format!("lid_up_{side}"))] = reflect(higher);
     }
-    if parrot {
-        let grip = pulse(t, 4.55, 4.9, 0.12, -14.0);
-        p.rotation[at("toe3a_L")] = turn(grip, 0.0, 0.0);
-        p.rotation[at("toe3b_L")] = turn(-0.4 * grip, 0.0, 0.0);
+    if let Some(grip) = motion.grip {
+        let [start, end] = grip.span;
+        let turned = pulse(t, start, end, grip.ease, grip.degrees);
+        p.rotation[at("toe3a_L")] = turn(turned, 0.0, 0.0);
+        p.rotation[at("toe3b_L")] = turn(-0.4 * turned, 0.0, 0.0);
     }
     set_wings(species, skeleton, &mut p, wing_poses(species, t));
     p

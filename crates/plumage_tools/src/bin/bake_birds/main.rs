@@ -1,4 +1,4 @@
-//! Bakes the two birds of the scenes: skinned meshes (`assets/birds/*.glb`) and grooms (`assets/grooms/*.groom.ron`), from
+//! Bakes the birds of the scenes: skinned meshes (`assets/birds/*.glb`) and grooms (`assets/grooms/*.groom.ron`), from
 //! tables of measurements.
 //!
 //! `cargo run -p plumage_tools --bin bake_birds -- --out assets --preview target/preview`
@@ -16,7 +16,6 @@ mod preview;
 mod rows;
 mod skeleton;
 mod species;
-mod tables;
 mod tract;
 mod weights;
 mod wing;
@@ -36,14 +35,14 @@ struct Options {
     /// Also draw preview sheets into this folder.
     #[arg(long)]
     preview: Option<PathBuf>,
-    /// Only this bird (`parrot` or `eagle`).
+    /// Only this bird (`parrot`, `eagle` or `owl`).
     #[arg(long)]
     bird: Option<String>,
 }
 
 fn main() -> Result<(), String> {
     let options = Options::parse();
-    for species in [species::macaw(), species::eagle()] {
+    for species in species::all() {
         if options.bird.as_ref().is_some_and(|b| b != species.name) {
             continue;
         }

@@ -39,8 +39,7 @@ pub fn build(species: &Species) -> Model {
     let skeleton = Skeleton::new(species, &parts::toe_joints(species));
     let mut surface = nets::polygonise(&body);
     let plane = species.arcs.head_plane - 4.0;
-    // The big bird's cells are too coarse for its face.
-    if species.cell > 6.0 {
+    if species.fine_head {
         clip::refine(&body, &mut surface, |p| p.y > plane);
     }
     let tracts = clip::clip(&body, &mut surface);
@@ -57,8 +56,7 @@ pub fn build(species: &Species) -> Model {
                 let p = surface.points[i as usize];
                 let naked = matches!(tract, Tract::Bare | Tract::EyeRing);
                 let dark = if naked { 1.0 } else { 0.4 };
-                let shade = linear(tract::color(species.is_parrot(), tract))
-                    .map(|c: f32| c * srgb_factor(dark));
+                let shade = linear(species.skin_color(tract)).map(|c: f32| c * srgb_factor(dark));
                 let phi = tract::phi(&body, tract, p);
                 skin.vertices.push(Vertex {
                     position: p,

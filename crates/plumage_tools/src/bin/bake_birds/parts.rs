@@ -162,7 +162,7 @@ pub fn other_side(skeleton: &Skeleton, joint: u16) -> u16 {
 
 /// The bill, both halves.
 pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
-    let b = species.bill();
+    let b = &species.bill;
     let mut out = Primitive::default();
     let [base, tip, lower, cere] = b.colors.map(linear);
     let [drop, straight, radius, turn, power] = b.upper_curve;
@@ -172,7 +172,6 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
     let mut previous = 0.0;
     let heading = |u: f32| -(drop.to_radians() + ((u - straight) / radius).max(0.0));
     let joint = skeleton.index("upper_bill");
-    let parrot = species.is_parrot();
     let mut rings = Vec::new();
     for i in 0..n {
         // Closer rings towards the tip, where the curve is tight.
@@ -184,15 +183,11 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
         let a = heading(u);
         let taper = f.powf(power);
         let half = |k: usize| 0.5 * (b.upper_base[k] * (1.0 - taper) + b.upper_tip[k] * taper);
-        let color = if parrot {
-            mix(base, tip, (f - 0.84) / 0.1)
-        } else {
-            let horn = mix(base, tip, (f - 0.35) / 0.35);
-            if u < straight {
-                cere
-            } else {
-                mix(cere, horn, (u - straight) / 2.0)
-            }
+        let horn = mix(base, tip, (f - b.dark[0]) / b.dark[1]);
+        let color = match b.cere {
+            true if u < straight => cere,
+            true => mix(cere, horn, (u - straight) / 2.0),
+            false => horn,
         };
         rings.push(Ring {
             centre,
@@ -204,16 +199,14 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
         });
     }
     let count = rings.len() as f32;
-    let nostril = if parrot { (0.05, 0.62) } else { (0.16, 0.8) };
     out.tube(&rings, 48, |i, a, c| {
         let f = i as f32 / (count - 1.0);
         let dark = linear(0x1F1C1A);
         let side = a.sin().abs();
-        if parrot && a.cos() < -0.1 {
-            // The black wedge that runs from the gape along the lower edge.
+        if b.wedge && a.cos() < -0.1 {
             return mix(c, dark, (-a.cos() - 0.12 - 0.32 * (0.8 - f).max(0.0)) * 6.0);
         }
-        let spot = ((f - nostril.0) / 0.05).powi(2) + ((a.cos() - nostril.1) / 0.14).powi(2);
+        let spot = ((f - b.nostril[0]) / 0.05).powi(2) + ((a.cos() - b.nostril[1]) / 0.14).powi(2);
         if side > 0.3 && spot < 1.0 { dark } else { c }
     });
 
@@ -227,19 +220,18 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
             let back = 0.45 * len * hidden;
             let f = i.max(0) as f32 / 13.0;
             let drop = b.lower_axis[0] * f + b.lower_axis[1] * f * f;
-            let shrink = if parrot { [0.75, 0.45] } else { [0.8, 0.75] };
             Ring {
                 centre: Vec3::new(
                     0.0,
                     b.lower_at[0] + drop + 0.3 * back,
                     b.lower_at[1] + len * f - back,
                 ),
-                across: Vec3::X * (0.5 * w * inside * (1.0 - shrink[1] * f * f)),
-                up: Vec3::Y * (0.5 * h * inside * (1.0 - shrink[0] * f * f)),
-                color: if parrot {
-                    lower
-                } else {
+                across: Vec3::X * (0.5 * w * inside * (1.0 - b.lower_taper[1] * f * f)),
+                up: Vec3::Y * (0.5 * h * inside * (1.0 - b.lower_taper[0] * f * f)),
+                color: if b.cere {
                     mix(cere, lower, (f - 0.3) * 6.0)
+                } else {
+                    lower
                 },
                 binding: rigid(joint),
                 keel: 0.0,
@@ -247,31 +239,28 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> Primitive {
         })
         .collect();
     out.tube(&rings, 20, |_, _, c| c);
-    if !parrot {
-        gape(&mut out, skeleton, cere);
-    }
+    gape(&mut out, skeleton, b.gape, cere);
     out
 }
 
-/// The fleshy rim of the eagle's gape, from the cere back to below the eye.
-fn gape(out: &mut Primitive, skeleton: &Skeleton, color: [f32; 3]) {
-    let path = [
-        Vec3::new(13.0, 503.0, 104.0),
-        Vec3::new(22.0, 502.0, 96.0),
-        Vec3::new(29.5, 502.5, 86.0),
-        Vec3::new(34.5, 504.0, 77.0),
-    ];
+/// The fleshy rim of the gape.
+fn gape(out: &mut Primitive, skeleton: &Skeleton, path: &[[f32; 3]], color: [f32; 3]) {
+    let path: Vec<Vec3> = path.iter().map(|p| Vec3::from_array(*p)).collect();
+    if path.len() < 2 {
+        return;
+    }
+    let last = path.len() - 1;
     let binding = rigid(skeleton.index("head"));
     for side in [1.0, -1.0] {
         let flip = Vec3::new(side, 1.0, 1.0);
-        let rings: Vec<Ring> = (0..13)
+        let rings: Vec<Ring> = (0..=4 * last)
             .map(|i| {
                 let at = i as f32 / 4.0;
-                let k = (at as usize).min(2);
+                let k = (at as usize).min(last - 1);
                 let centre = path[k].lerp(path[k + 1], at - k as f32);
                 let along = (path[k + 1] - path[k]).normalize();
                 let across = along.cross(Vec3::Y).normalize();
-                let thin = 1.0 - 0.75 * (at / 3.0).powi(4);
+                let thin = 1.0 - 0.75 * (at / last as f32).powi(4);
                 Ring {
                     centre: centre * flip,
                     across: across * flip * (1.7 * thin),
@@ -288,12 +277,7 @@ fn gape(out: &mut Primitive, skeleton: &Skeleton, color: [f32; 3]) {
 
 /// Direction the left eye looks.
 pub fn gaze(species: &Species) -> Vec3 {
-    if species.is_parrot() {
-        Vec3::new(0.93, 0.05, 0.36)
-    } else {
-        Vec3::new(0.84, 0.02, 0.54)
-    }
-    .normalize()
+    Vec3::from_array(species.gaze).normalize()
 }
 
 /// Axis the lids turn about: positive turns lift the lower lid.
@@ -367,11 +351,7 @@ pub fn lids(species: &Species, skeleton: &Skeleton) -> Primitive {
     let centre = species.joint("eye_L");
     let axis = gaze(species);
     let r = species.eye[0];
-    let skin = if species.is_parrot() {
-        linear(0xD9C8BC)
-    } else {
-        linear(0x3A2C20)
-    };
+    let skin = linear(species.lids);
     // A torus round the visible part.
     let side = axis.any_orthonormal_vector();
     let up = axis.cross(side);

@@ -12,7 +12,6 @@ use crate::preview;
 use crate::rows::{Builder, template};
 use crate::skeleton::{Joint, Skeleton};
 use crate::species::{Species, srgb};
-use crate::tables;
 use crate::tract::{self, Tract};
 use crate::wing::WingPlane;
 
@@ -22,12 +21,8 @@ const GUIDES: usize = 240;
 /// Builds the groom.
 pub fn groom(species: &Species, model: &Model) -> Groom {
     let body = Body::new(species);
-    let table = if species.is_parrot() {
-        tables::MACAW
-    } else {
-        tables::EAGLE
-    };
-    let regions = table
+    let regions = species
+        .tracts
         .iter()
         .map(|t| {
             let mut region = Region::new(t.name);
@@ -55,18 +50,14 @@ pub fn groom(species: &Species, model: &Model) -> Groom {
             region.jitter.lift = 0.6;
             region.jitter.hue = 1.0;
             region.jitter.value = 0.03;
-            region.down = is_downy(t.name).then(|| down(species).into());
+            region.down = is_downy(t.name).then(|| species.down.into());
             region
         })
         .collect();
     let mut groom = Groom::default();
-    groom.name = if species.is_parrot() {
-        "Scarlet macaw"
-    } else {
-        "Golden eagle"
-    }
-    .to_string();
-    groom.feathers = tables::templates(species.is_parrot())
+    groom.name = species.title.to_string();
+    groom.feathers = species
+        .templates
         .iter()
         .map(|t| format!("../feathers/{}_{t}.feather.ron", species.prefix).into())
         .collect();
@@ -98,8 +89,8 @@ fn key_poses(species: &Species, skeleton: &Skeleton) -> Vec<KeyPose> {
     };
     let clip = [
         ("rest", 0.0),
-        ("stretch", species.stretched),
-        ("half-way", species.half_way),
+        ("stretch", species.motion.stretched),
+        ("half-way", species.motion.half_way),
     ];
     let open = KeyPose {
         name: "open".into(),
@@ -128,7 +119,7 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
     let mut d = -trunk.spine;
     match tract {
         Tract::Crown | Tract::Nape | Tract::Cheek | Tract::Bare | Tract::Lore | Tract::EyeRing => {
-            let bill = species.bill().upper_at;
+            let bill = species.bill.upper_at;
             let source = Vec3::new(0.0, bill[0] - 14.0, bill[1] + 6.0);
             let away = (p - source).normalize_or(Vec3::NEG_Z);
             let u = head.arc - species.joint("head").z;
@@ -143,6 +134,11 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
             let near = radius * radius / r.length_squared().max(radius * radius);
             let out = r.normalize_or_zero();
             d += near * (d - 2.0 * d.dot(out) * out);
+        }
+        Tract::Disc | Tract::Ruff => {
+            if let Some(disc) = species.disc {
+                d = disc.lay(p);
+            }
         }
         Tract::Femoral => {
             // Forward over the knee, down the thigh and into the lay of the crus.
@@ -281,6 +277,9 @@ fn guides(species: &Species, body: &Body, model: &Model) -> Vec<Guide> {
             chosen.push(body.project(around, 3));
         }
     }
+    if let Some(disc) = species.disc {
+        chosen.extend(disc.points().map(|p| body.project(p, 3)));
+    }
     chosen
         .into_iter()
         .map(|start| {
@@ -343,7 +342,10 @@ pub fn report(species: &Species, model: &Model, groom: &Groom) {
 
 /// Whether down grows below the feathers of a tract: not on the face, the wings and the feet.
 fn is_downy(name: &str) -> bool {
-    const BARE: [&str; 10] = [
+    const BARE: [&str; 13] = [
+        "disc",
+        "eye_rays",
+        "ruff",
         "face_lines",
         "lore",
         "face",
@@ -356,13 +358,4 @@ fn is_downy(name: &str) -> bool {
         "tarsal",
     ];
     !BARE.contains(&name)
-}
-
-/// Down of all tracts.
-fn down(species: &Species) -> &'static str {
-    if species.is_parrot() {
-        "../downs/parrot.down.ron"
-    } else {
-        "../downs/eagle.down.ron"
-    }
 }

@@ -326,7 +326,7 @@ pub fn draw(faces: &[Face], from: Vec3, size: u32, window: Option<(Vec3, f32)>) 
 pub fn sheets(species: &Species, model: &Model, groom: &Groom, dir: &Path) -> Result<(), String> {
     let skeleton = &model.skeleton;
     let bind = skeleton.bind();
-    let middle = if species.is_parrot() { 3.3 } else { 4.1 };
+    let middle = species.motion.stretched;
     let mut spread = skeleton.bind();
     idle::set_wings(species, skeleton, &mut spread, [species.spread; 2]);
     let poses = [
@@ -370,7 +370,7 @@ pub fn sheets(species: &Species, model: &Model, groom: &Groom, dir: &Path) -> Re
                 .map_err(|e| format!("{}: {e}", file.display()))?;
             if *name == "fold" && level == 0 {
                 let centre = species.joint("head") + Vec3::new(0.0, 10.0, 25.0);
-                let radius = if species.is_parrot() { 62.0 } else { 75.0 };
+                let radius = species.head.iter().map(|s| s[2]).fold(0.0, f32::max);
                 let mut sheet = RgbImage::new(size * 4, size);
                 for (i, v) in [views[0], views[2], views[1], Vec3::new(0.5, -0.4, 0.8)]
                     .iter()

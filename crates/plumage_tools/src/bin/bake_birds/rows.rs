@@ -4,8 +4,7 @@ use bevy::math::{Quat, Vec3};
 use bevy_plumage::groom::{JointWeight, Row, Segments, Span, Station, Tint};
 
 use crate::body::Body;
-use crate::species::{Species, srgb};
-use crate::tables::{self, RowLook};
+use crate::species::{RowLook, Species, srgb};
 use crate::wing::WingPlane;
 
 type Weights = Vec<JointWeight>;
@@ -49,40 +48,34 @@ fn station(
 impl<'a> Builder<'a> {
     /// Prepares the bind frame.
     pub fn new(species: &'a Species, body: &'a Body<'a>) -> Self {
-        let ulna_share = if species.is_parrot() {
-            9.0 / 12.0
-        } else {
-            13.0 / 17.0
+        let count = |name: &str| {
+            let row = species.rows.iter().find(|look| look.name == name);
+            row.map_or(0.0, |look| look.count as f32)
         };
+        let (secondaries, tertials) = (count("secondaries"), count("tertials"));
         Self {
             species,
             body,
             bind: WingPlane::bind(species),
-            ulna_share,
+            ulna_share: secondaries / (secondaries + tertials),
         }
     }
 
     /// All rows.
     pub fn rows(&self) -> Vec<Row> {
-        let parrot = self.species.is_parrot();
-        let looks = if parrot {
-            tables::MACAW_ROWS
-        } else {
-            tables::EAGLE_ROWS
-        };
-        let mut rows: Vec<Row> = looks.iter().map(|l| self.row(l)).collect();
+        let mut rows: Vec<Row> = self.species.rows.iter().map(|l| self.row(l)).collect();
         rows.extend(self.tail_coverts());
         rows
     }
 
     fn row(&self, look: &RowLook) -> Row {
         let n = look.count;
-        let [primaries, secondaries, rectrices] = tables::lengths(self.species.is_parrot());
+        let [primaries, secondaries, rectrices] = &self.species.lengths;
         let lengths = match look.name {
-            "primaries" => primaries,
+            "primaries" => primaries.clone(),
             "secondaries" => secondaries[..n].to_vec(),
             "tertials" => secondaries[secondaries.len() - n..].to_vec(),
-            "rectrices" => rectrices,
+            "rectrices" => rectrices.clone(),
             _ => ramp(look.length, n),
         };
         let stations = (0..n)
@@ -157,7 +150,7 @@ impl<'a> Builder<'a> {
             }
             // Tertials go on where the secondaries end; behind the elbow they curve down onto the rump.
             "secondaries" | "tertials" => {
-                let [_, remiges, _] = tables::lengths(self.species.is_parrot());
+                let remiges = &self.species.lengths[1];
                 let last = remiges.len() - 1;
                 let place = if name == "tertials" {
                     (self.ulna_share * remiges.len() as f32).round() as usize + index
@@ -381,7 +374,7 @@ impl<'a> Builder<'a> {
     }
 
     fn tail_coverts(&self) -> Vec<Row> {
-        let coverts = tables::tail_coverts(self.species.is_parrot());
+        let coverts = self.species.tail_coverts;
         let (back, dorsal) = self.tail_axes();
         let s = self.species.scale.sqrt();
         let mut out = Vec::new();
@@ -440,7 +433,8 @@ fn ramp(ends: (f32, f32), n: usize) -> Vec<f32> {
 
 /// Number of a template in the groom's feather list.
 pub fn template(species: &Species, name: &str) -> u16 {
-    tables::templates(species.is_parrot())
+    species
+        .templates
         .iter()
         .position(|t| *t == name)
         .unwrap_or(0) as u16

@@ -2,7 +2,8 @@
 
 use bevy::math::Vec3;
 
-use crate::body::{Body, Parts};
+use crate::body::{Body, Parts, smooth_min};
+use crate::species::{BareFace, EyeRim, Rounded};
 
 /// Number of a tract, as written to `TEXCOORD_1.x`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -36,12 +37,16 @@ pub enum Tract {
     ScapularMantle = 24,
     /// Side of the trunk below the folded wing.
     Side = 25,
-    /// Skin round the lore and chin that carries bristles (eagle).
+    /// Skin round the lore and chin that carries bristles.
     Lore = 26,
     /// Naked rim of the eye.
     EyeRing = 27,
     /// Upper side of the elbow, where no row of coverts stands.
     Elbow = 28,
+    /// Facial disc, radial round the eye.
+    Disc = 29,
+    /// Rim of the facial disc.
+    Ruff = 30,
 }
 
 /// Where the breast begins before the front edge of the folded wing, mm on the macaw: feathers rooted nearer lie below the wing.
@@ -53,18 +58,22 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     let q = Vec3::new(p.x.abs(), p.y, p.z);
     let parts = body.parts(q);
     let arcs = s.arcs;
-    if bare(body, q) {
-        let near = (q - s.joint("eye_L")).length() < 1.5 * s.eye[0];
-        return if near && s.is_parrot() {
-            Tract::EyeRing
-        } else {
-            Tract::Bare
-        };
-    }
-    let eye = s.joint("eye_L");
-    if !s.is_parrot() && ((q.y - eye.y) / 9.5).hypot((q.z - eye.z - 2.5) / 12.0) < 1.0 && q.x > 20.0
-    {
+    let naked = bare(body, q);
+    if eye_rim(body, q, naked) {
         return Tract::EyeRing;
+    }
+    if naked {
+        return Tract::Bare;
+    }
+    if let Some(disc) = s.disc {
+        let share = disc.share(q);
+        if share < 1.0 + disc.ruff {
+            return if share < 1.0 {
+                Tract::Disc
+            } else {
+                Tract::Ruff
+            };
+        }
     }
     let core = parts.trunk.distance.min(parts.head.distance);
     // The top of the knee belongs to the thigh: its feathers run down over it.
@@ -90,7 +99,7 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     if q.y > arcs.head_plane - 0.15 * (joint.z - q.z) {
         let u = q.z - joint.z;
         let angle = parts.head.angle;
-        if !s.is_parrot() && lore(body, q) {
+        if lore(body, q) {
             return Tract::Lore;
         }
         // Behind the cheeks the nape runs on into the hind neck.
@@ -107,7 +116,7 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     let [tail, rump, back, mantle] = arcs.dorsal;
     let [vent, belly] = arcs.ventral;
     if arc >= mantle {
-        return if theta < 92.0 {
+        return if theta < arcs.neck {
             Tract::NeckDorsal
         } else {
             Tract::NeckVentral
@@ -172,34 +181,65 @@ fn nearest_leg(body: &Body, parts: &Parts) -> usize {
         .unwrap_or(0)
 }
 
-fn bare(body: &Body, q: Vec3) -> bool {
-    let s = body.species;
-    if s.is_parrot() {
-        // A rounded patch from the bill to behind the eye, joined to a rim round the bill.
-        let patch = rounded(
-            q.z - 84.5 - 0.25 * (312.0 - q.y),
-            q.y - 309.0 + 0.5 * (q.z - 84.0).max(0.0),
-            25.0,
-            20.0,
-            15.0,
-        );
-        let rim = rounded(q.z - 112.0, q.y - 286.0, 21.0, 26.0, 8.0);
-        let h = (0.5 + 0.5 * (rim - patch) / 10.0).clamp(0.0, 1.0);
-        rim * (1.0 - h) + patch * h - 10.0 * h * (1.0 - h) < 0.0
-    } else {
-        (q.z - 108.0).hypot(q.y - 517.0) < 19.5 - 0.05 * q.x * q.x && q.z > 94.0
+fn eye_rim(body: &Body, q: Vec3, naked: bool) -> bool {
+    let eye = body.species.joint("eye_L");
+    let within = |radii: f32| (q - eye).length() < radii * body.species.eye[0];
+    match body.species.eye_rim {
+        EyeRim::OnBareSkin(radii) => naked && within(radii),
+        EyeRim::Round(radii) => within(radii),
+        EyeRim::Oval {
+            half,
+            ahead,
+            beyond,
+        } => {
+            !naked
+                && ((q.y - eye.y) / half[0]).hypot((q.z - eye.z - ahead) / half[1]) < 1.0
+                && q.x > beyond
+        }
     }
 }
 
-/// Distance to a rectangle with rounded corners.
-fn rounded(x: f32, y: f32, half_x: f32, half_y: f32, radius: f32) -> f32 {
-    let (u, v) = (x.abs() - half_x + radius, y.abs() - half_y + radius);
-    u.max(0.0).hypot(v.max(0.0)) + u.max(v).min(0.0) - radius
+fn bare(body: &Body, q: Vec3) -> bool {
+    match body.species.bare {
+        BareFace::Feathered => false,
+        BareFace::Patch(face) => {
+            let [lean, level] = face.slant;
+            let [sink, front] = face.droop;
+            let patch = face.patch.distance(
+                q.z - face.patch.at[0] - lean * (level - q.y),
+                q.y - face.patch.at[1] + sink * (q.z - front).max(0.0),
+            );
+            let rim = face
+                .rim
+                .distance(q.z - face.rim.at[0], q.y - face.rim.at[1]);
+            smooth_min(patch, rim, face.blend) < 0.0
+        }
+        BareFace::Cere(cere) => {
+            (q.z - cere.at[0]).hypot(q.y - cere.at[1]) < cere.radius - cere.taper * q.x * q.x
+                && q.z > cere.ahead
+        }
+    }
+}
+
+impl Rounded {
+    /// Distance of a point at (x, y) from its centre.
+    fn distance(&self, x: f32, y: f32) -> f32 {
+        let (u, v) = (
+            x.abs() - self.half[0] + self.radius,
+            y.abs() - self.half[1] + self.radius,
+        );
+        u.max(0.0).hypot(v.max(0.0)) + u.max(v).min(0.0) - self.radius
+    }
 }
 
 fn lore(body: &Body, q: Vec3) -> bool {
     let eye = body.species.joint("eye_L");
-    q.z > eye.z + 7.0 && q.y > eye.y - 16.0 && q.y < eye.y + 4.0 && q.x > 8.0
+    body.species.lore.is_some_and(|lore| {
+        q.z > eye.z + lore.ahead
+            && q.y > eye.y - lore.low
+            && q.y < eye.y + lore.high
+            && q.x > lore.beyond
+    })
 }
 
 /// Chord share up to which the upper marginal coverts reach round the leading edge.
@@ -265,6 +305,8 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
     let c = || body.wing.chord(q);
     let value = match tract {
         Tract::Bare | Tract::Lore | Tract::EyeRing => (front - q.z) / 40.0,
+        Tract::Disc => s.disc.map_or(0.0, |disc| disc.share(q)),
+        Tract::Ruff => s.disc.map_or(0.0, |disc| (disc.share(q) - 1.0) / disc.ruff),
         Tract::Crown => (front - q.z) / (front - joint - arcs.nape),
         Tract::Nape => (joint + arcs.nape - q.z) / 34.0 / s.scale.sqrt(),
         Tract::Cheek => {
@@ -302,38 +344,5 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         value.clamp(0.0, 1.0)
     } else {
         0.0
-    }
-}
-
-/// Under-mesh color of a tract before darkening (sRGB hex): the color of the plumage above it.
-pub fn color(parrot: bool, tract: Tract) -> u32 {
-    use Tract::*;
-    if parrot {
-        match tract {
-            Bare | EyeRing => 0xF0E3D8,
-            Rump | Vent | TailUpper | TailUnder => 0x5DA9DC,
-            Back => 0xB83A24,
-            CovertUpper | Elbow => 0xB08E24,
-            LesserUnder | MarginalUnder | CovertUnder => 0xB03020,
-            Belly | Flank | Side | Femoral | Crural => 0xC0301B,
-            _ => 0xC8361D,
-        }
-    } else {
-        match tract {
-            Bare => 0xE8B62C,
-            Crown => 0x856F58,
-            Nape | NeckDorsal => 0xA9875F,
-            Cheek | NeckVentral => 0x58493C,
-            Lore => 0x473D34,
-            EyeRing => 0x3A2E22,
-            Rump => 0x56493F,
-            Vent | TailUpper | TailUnder => 0x675749,
-            Femoral => 0x514239,
-            Crural => 0x756354,
-            Tarsal => 0x9A8369,
-            LesserUpper | MarginalUpper | CovertUpper | Elbow => 0x5A4D40,
-            LesserUnder | MarginalUnder | CovertUnder => 0x493D33,
-            _ => 0x43382D,
-        }
     }
 }

@@ -221,7 +221,7 @@ fn wing(
 ) {
     let s = body.species;
     let [shoulder, elbow, wrist, knuckle, tip] = body.wing.points;
-    let reach = if s.is_parrot() { 30.0 } else { 55.0 };
+    let reach = s.shoulder_reach;
     let nearer = core - distance;
     // The back stays with the chest: only skin that is clearly on the arm follows it there.
     let dorsal = 1.0 - smoothstep(50.0, 85.0, angle);
