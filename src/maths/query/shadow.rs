@@ -394,8 +394,7 @@ pub fn barb_light<T: Real>(eye: &VaneEye<T>, ray: &VaneRay<T>) -> VaneLight<T> {
     let part = &eye.parts[0];
     let light = barb_section(&ray.storeys, up);
     let long = ray.storeys.silhouette + ray.storeys.silhouette;
-    let (reach, _) = family_reach(long * shape.per_barb);
-    let open = barb_open(shape, &ray.storeys);
+    let (reach, own) = family_reach(long * shape.per_barb);
     let half = halfway(part.across, light);
     let (within, scale) = family_within(part, light, reach, up, &half, mirror);
     let towards = |direction: [T; 2]| {
@@ -412,9 +411,9 @@ pub fn barb_light<T: Real>(eye: &VaneEye<T>, ray: &VaneRay<T>) -> VaneLight<T> {
     VaneLight {
         mirror: within * both / part.open.max(T::of(1e-3)),
         lit: within * lit,
-        even: open,
+        even: barb_open(shape, &ray.storeys),
         along: T::zero(),
-        place: dot2(part.middle, family_middle(light, open, up)),
+        place: dot2(part.middle, family_middle(light, own, up)),
     }
 }
 

@@ -240,9 +240,8 @@ fn vane_light(eye: VaneEye, part: PartEye, ray: VaneRay, kind: u32) -> VaneLight
     let reach = family_reach(wide);
     let between = halfway(part.across, light);
     let within = family_within(part, light, reach.x, ray.up, between, mirror);
+    let place = dot(part.middle, family_middle(light, reach.y, ray.up));
     if barbs {
-        let open = barb_open(shape, ray.layers);
-        let place = dot(part.middle, family_middle(light, open, ray.up));
         let to_eye = within.y * mix(between.xy, part.across, mirror.retreat);
         let to_light = within.y * mix(between.xy, light, mirror.retreat);
         let seen = barb_reached(shape, eye.layers, to_eye, 1.0);
@@ -253,9 +252,8 @@ fn vane_light(eye: VaneEye, part: PartEye, ray: VaneRay, kind: u32) -> VaneLight
             both = min(lit, seen);
             lit = min(lit / max(seen, 1e-4), 1.0);
         }
-        return VaneLight(within.x * both / max(part.open, 1e-3), within.x * lit, open, 0.0, place);
+        return VaneLight(within.x * both / max(part.open, 1e-3), within.x * lit, barb_open(shape, ray.layers), 0.0, place);
     }
-    let place = dot(part.middle, family_middle(light, reach.y, ray.up));
     var gap = between_barbs(shape, part, ray, select(1.5, -0.5, lower != ray.beyond));
     var through = 1.0;
     var even = 1.0;
