@@ -24,7 +24,8 @@ const SHOTS: Shots = Shots {
 
 fn main() -> AppExit {
     helper::run("eagle", |app| {
-        app.add_plugins(PlumagePlugins)
+        let path = app.world().resource::<Args>().path;
+        app.add_plugins(PlumagePlugins.set(FeatherRenderPlugin { path }))
             .insert_resource(SHOTS)
             .add_systems(Startup, setup);
     })

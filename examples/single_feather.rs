@@ -181,6 +181,7 @@ fn card(length: f32, width: f32, tint: [f32; 3]) -> Card {
         layer: 0.0,
         tint,
         seed: 1,
+        turn: 0.0,
         mirrored: false,
     }
 }

@@ -94,6 +94,11 @@ const TRANSPARENCIES: &[(&str, FeatherTransparency)] = &[
     ("blend", FeatherTransparency::Blend),
 ];
 
+const PATHS: &[(&str, FeatherPath)] = &[
+    ("full", FeatherPath::Full),
+    ("fallback", FeatherPath::Fallback),
+];
+
 /// Parses one of the names in a table.
 fn one_of<T: Copy + Send + Sync + 'static>(
     table: &'static [(&'static str, T)],
@@ -194,9 +199,16 @@ pub struct Args {
     /// Samples of the sky per pixel, 0 to 1024; 0 takes the prefiltered maps.
     #[arg(long, default_value_t = 0, help_heading = "Rendering")]
     pub env_samples: u32,
+    /// Error of light up to which it is found at the vertices of distant cards, 0 to 0.1; 0: found in every fragment.
+    #[arg(long, help_heading = "Rendering")]
+    pub light_budget: Option<f32>,
     /// Depth first: only what shows is shaded, and the coat's order decides within its window. Not for blended feathers.
     #[arg(long, help_heading = "Rendering")]
     pub depth_prepass: bool,
+    /// `parrot`, `eagle`, `owl`, `flock`: what feathers are drawn as: themselves, or (what a device gets whose limits are too low) textured cards with a
+    /// `StandardMaterial`.
+    #[arg(long, default_value = "full", value_parser = one_of(PATHS), help_heading = "Rendering")]
+    pub path: FeatherPath,
     /// For slow machines: no shadows; `inspector` also draws the bird smaller, and only when something has changed.
     #[arg(long, help_heading = "Rendering")]
     pub lean: bool,
@@ -220,6 +232,13 @@ pub struct Args {
     /// `single_feather`: time the feather with and without its thin layers, this many frames each in turn, and print both.
     #[arg(long, help_heading = "Off screen")]
     pub layers_cost: Option<u32>,
+    /// `parrot`, `eagle`, `owl`, `flock`: time the scene with its feathers and with the same cards in a `StandardMaterial`, this many frames
+    /// each in turn, and print both.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..), help_heading = "Off screen")]
+    pub cards_cost: Option<u32>,
+    /// Draw the scene under several light budgets; write what each costs and how wrong it is, as a table.
+    #[arg(long, help_heading = "Off screen")]
+    pub light_cost: Option<PathBuf>,
     /// Render by every way to find coverage; write what each costs and how wrong it is, as JSON.
     #[cfg(feature = "comparison")]
     #[arg(long, help_heading = "Off screen")]
@@ -312,6 +331,9 @@ impl Args {
         quality.settings.debug_view = self.view;
         quality.settings.coverage_method = self.coverage;
         quality.settings.environment_samples = self.env_samples;
+        if let Some(budget) = self.light_budget {
+            quality.settings.light_budget = budget;
+        }
         quality
     }
 

@@ -1,8 +1,11 @@
-//! What thin layers cost: the same feather with and without them, frames in turn, in one run.
+//! Things against each other, frames in turn, in one run: a feather with and without thin layers, feathers and plain cards, light in
+//! fragments and at vertices.
 
-use super::headless::frame;
+use super::headless::{capture, frame};
 use bevy::{diagnostic::DiagnosticsStore, prelude::*, render::renderer::RenderAdapterInfo};
+use bevy_plumage::prelude::*;
 use cpu_time::ProcessTime;
+use std::{fmt::Write, fs, path::Path};
 
 /// A card that is timed; `true`: with its thin layers.
 #[derive(Component)]
@@ -81,4 +84,116 @@ pub fn run(app: &mut App, rounds: u32, name: &str) {
         100.0 * (with - without) / (without - none),
         cards.join(", "),
     );
+}
+
+/// Frames of an app until nothing is compiled or loaded any more.
+const WARM_UP: usize = 3;
+
+/// Processor time of whole frames of two apps that show the same scene, with its feathers and with the same cards in a
+/// `StandardMaterial`, over `rounds` rounds. Prints the least of each and their ratio. What was said of [`run`] holds here, too.
+pub fn compare_cards(feathers: &mut App, cards: &mut App, rounds: u32, name: &str) {
+    for _ in 0..WARM_UP {
+        frame(feathers);
+        frame(cards);
+    }
+    let mut times: [Vec<f64>; 2] = Default::default();
+    for _ in 0..rounds {
+        times[0].push(seconds(feathers));
+        times[1].push(seconds(cards));
+    }
+    let [own, plain] = times.each_ref().map(|list| 1e3 * least(list));
+    let adapter = &feathers.world().resource::<RenderAdapterInfo>().name;
+    println!(
+        "{name}: least of {rounds} frames each on {adapter}, processor time: feathers {own:.0} ms, cards in StandardMaterial \
+         {plain:.0} ms, ratio {:.2}",
+        own / plain,
+    );
+}
+
+/// Light budgets that are compared; 0 is the truth.
+const LIGHT_BUDGETS: [f32; 5] = [0.0, 0.002, 0.005, 0.01, 0.02];
+/// Timed rounds over them.
+const LIGHT_ROUNDS: usize = 2;
+
+fn set_light_budget(app: &mut App, budget: f32) {
+    let mut qualities = app.world_mut().query::<&mut FeatherQuality>();
+    for mut quality in qualities.iter_mut(app.world_mut()) {
+        quality.settings.light_budget = budget;
+    }
+    for _ in 0..SETTLE {
+        frame(app);
+    }
+}
+
+/// Differences of two pictures, steps of 255 of the worst channel, of pixels where `shown` differs from `bare`: root mean square, 99th
+/// percentile, largest.
+fn differences(shown: &[u8], truth: &[u8], bare: &[u8]) -> [f64; 3] {
+    let pixels = shown.chunks(3).zip(truth.chunks(3)).zip(bare.chunks(3));
+    let mut steps: Vec<u8> = pixels
+        .filter(|((_, truth), bare)| truth != bare)
+        .map(|((shown, truth), _)| {
+            let channels = shown.iter().zip(truth).map(|(a, b)| a.abs_diff(*b));
+            channels.max().unwrap_or(0)
+        })
+        .collect();
+    steps.sort_unstable();
+    let count = steps.len().max(1);
+    let square: f64 = steps.iter().map(|step| f64::from(*step).powi(2)).sum();
+    let at = |place: usize| steps.get(place).copied().map_or(0.0, f64::from);
+    [
+        (square / count as f64).sqrt(),
+        at(count * 99 / 100),
+        at(count - 1),
+    ]
+}
+
+/// Draws the scene under several light budgets and writes a table: share of the cards that are lit at their vertices, what that does
+/// to the pixels with feathers, processor time of a frame over that of one whose fragments are all lit. The picture is the same frame
+/// in all but that.
+pub fn light(app: &mut App, image: &Handle<Image>, file: &Path) -> Result<(), String> {
+    let mut pictures = Vec::new();
+    let mut shares = Vec::new();
+    for budget in LIGHT_BUDGETS {
+        set_light_budget(app, budget);
+        pictures.push(capture(app, image.clone())?.to_rgb8().into_raw());
+        for _ in 0..SETTLE {
+            frame(app);
+        }
+        let all: f64 = bevy_plumage::CARD_COUNTERS
+            .map(|name| cards_of(app, name))
+            .iter()
+            .sum();
+        shares.push(cards_of(app, "lit") / all.max(1.0));
+    }
+    let mut times = LIGHT_BUDGETS.map(|_| Vec::new());
+    for _ in 0..LIGHT_ROUNDS {
+        for (budget, times) in LIGHT_BUDGETS.into_iter().zip(&mut times) {
+            set_light_budget(app, budget);
+            times.push(seconds(app));
+        }
+    }
+    let mut plumages = app
+        .world_mut()
+        .query_filtered::<&mut Visibility, With<Plumage>>();
+    for mut visibility in plumages.iter_mut(app.world_mut()) {
+        *visibility = Visibility::Hidden;
+    }
+    for _ in 0..SETTLE {
+        frame(app);
+    }
+    let bare = capture(app, image.clone())?.to_rgb8().into_raw();
+    let adapter = &app.world().resource::<RenderAdapterInfo>().name;
+    let mut table =
+        String::from("light budget,lit cards,rms of 255,99th percentile,largest,frame over 0\n");
+    for (i, budget) in LIGHT_BUDGETS.into_iter().enumerate() {
+        let [rms, most, largest] = differences(&pictures[i], &pictures[0], &bare);
+        let time = least(&times[i]) / least(&times[0]);
+        let _ = writeln!(
+            table,
+            "{budget},{:.3},{rms:.2},{most},{largest},{time:.2}",
+            shares[i]
+        );
+    }
+    print!("{adapter}\n{table}");
+    fs::write(file, table).map_err(|error| format!("{}: {error}", file.display()))
 }

@@ -67,7 +67,8 @@ pub fn run(mut app: App, name: &str, args: &Args) -> AppExit {
     }
 }
 
-fn picture(app: &mut App, name: &str, args: &Args) -> Result<(), String> {
+/// Gets an app ready for frames of its scene, which go into the returned image.
+fn prepare(app: &mut App, name: &str, args: &Args) -> Result<Handle<Image>, String> {
     while app.plugins_state() == PluginsState::Adding {
         bevy::tasks::tick_global_task_pools_on_main_thread();
     }
@@ -89,9 +90,37 @@ fn picture(app: &mut App, name: &str, args: &Args) -> Result<(), String> {
     app.init_resource::<Closed>();
     load(app, name)?;
     open_cameras(app);
+    Ok(image)
+}
+
+/// Times the scene with feathers and with plain cards, see [`cost::compare_cards`](super::cost::compare_cards).
+pub fn compare_cards([mut feathers, mut cards]: [App; 2], name: &str, rounds: u32) -> AppExit {
+    let ready = |app: &mut App| {
+        let args = app.world().resource::<Args>().clone();
+        prepare(app, name, &args)
+    };
+    let outcome = ready(&mut feathers).and_then(|_| ready(&mut cards));
+    if outcome.is_ok() {
+        super::cost::compare_cards(&mut feathers, &mut cards, rounds, name);
+    }
+    std::mem::forget((feathers, cards));
+    match outcome {
+        Ok(_) => AppExit::Success,
+        Err(error) => {
+            eprintln!("{name}: {error}");
+            AppExit::error()
+        }
+    }
+}
+
+fn picture(app: &mut App, name: &str, args: &Args) -> Result<(), String> {
+    let image = prepare(app, name, args)?;
     #[cfg(feature = "comparison")]
     if let Some(file) = &args.compare {
         return super::compare::run(app, &image, file);
+    }
+    if let Some(file) = &args.light_cost {
+        return super::cost::light(app, &image, file);
     }
     if let Some(rounds) = args.layers_cost {
         super::cost::run(app, rounds.max(1), name);

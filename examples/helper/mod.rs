@@ -9,7 +9,6 @@ pub mod backdrop;
 pub mod branch;
 pub mod camera;
 #[cfg(feature = "comparison")]
-#[cfg(feature = "comparison")]
 pub mod compare;
 pub mod controls;
 pub mod cost;
@@ -51,6 +50,29 @@ pub fn run(name: &'static str, scene: fn(&mut App)) -> AppExit {
         );
         return AppExit::error();
     }
+    if let Some(rounds) = args.cards_cost {
+        let with = |path| {
+            build(
+                name,
+                scene,
+                &Args {
+                    path,
+                    ..args.clone()
+                },
+            )
+        };
+        let apps = [FeatherPath::Full, FeatherPath::Fallback].map(with);
+        return headless::compare_cards(apps, name, rounds);
+    }
+    let mut app = build(name, scene, &args);
+    if args.off_screen() {
+        headless::run(app, name, &args)
+    } else {
+        app.run()
+    }
+}
+
+fn build(name: &'static str, scene: fn(&mut App), args: &Args) -> App {
     let off_screen = args.off_screen();
     let mut app = App::new();
     let plugins = DefaultPlugins
@@ -89,7 +111,7 @@ pub fn run(name: &'static str, scene: fn(&mut App)) -> AppExit {
         app.add_plugins((plugins, growth::GrowthPlugin(name)));
     }
     app.insert_resource(args.clone())
-        .insert_resource(setting::Setting::chosen(&args, name))
+        .insert_resource(setting::Setting::chosen(args, name))
         .insert_resource(Wind::new(Vec3::new(-0.35, 0.1, -1.0), args.wind))
         .insert_resource(DefaultOpaqueRendererMethod::forward())
         .insert_resource(ClearColor(Color::srgb(0.72, 0.76, 0.80)))
@@ -100,9 +122,5 @@ pub fn run(name: &'static str, scene: fn(&mut App)) -> AppExit {
             controls::ControlsPlugin,
         ));
     scene(&mut app);
-    if off_screen {
-        headless::run(app, name, &args)
-    } else {
-        app.run()
-    }
+    app
 }

@@ -154,6 +154,8 @@ pub struct Perch(pub f32, pub f32, pub f32);
 pub const PARROT_PERCH: Perch = Perch(0.022, 2.2, 0.024);
 /// What the eagle holds.
 pub const EAGLE_PERCH: Perch = Perch(0.035, 2.6, 0.060);
+/// What the owl holds.
+pub const OWL_PERCH: Perch = Perch(0.018, 1.6, 0.024);
 
 fn grow_perch(
     add: On<Add, Perch>,

@@ -82,7 +82,7 @@ impl Setting {
     /// What the command line asks for; without a wish whole birds sit where they live, everything else is in the studio.
     pub fn chosen(args: &Args, example: &str) -> Self {
         let usual = match example {
-            "parrot" => Scene::Forest,
+            "parrot" | "owl" => Scene::Forest,
             "eagle" => Scene::Cliff,
             _ => Scene::Studio,
         };

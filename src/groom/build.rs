@@ -470,6 +470,7 @@ fn feather(
         layer: region.layer + room * 0.999 * (1.0 - phi),
         tint,
         seed: (seed >> 32) as u32,
+        turn: 0.0,
         mirrored: false,
     };
     Leaf {

@@ -33,6 +33,8 @@ pub struct Card {
     pub tint: [f32; 3],
     /// Hash of bird seed, region name and place: stays with the feather when others are added.
     pub seed: u32,
+    /// Largest angle between the normals of neighboring vertices, radians.
+    pub turn: f32,
     /// The feather's left vane becomes its right one (the other side of the bird).
     pub mirrored: bool,
 }

@@ -72,6 +72,14 @@ pub fn build_mesh(leaves: &mut [Leaf], skinned: bool, reach: f32) -> (Mesh, Vec<
                 raised.push(std::array::from_fn(|k| further(leaf, k, at)));
             }
         }
+        let wide = leaf.columns + 1;
+        let beside = (0..fronts.len()).filter(|at| (at + 1) % wide > 0);
+        let above = (0..fronts.len()).filter(|at| at + wide < fronts.len());
+        let pairs = beside
+            .map(|at| (at, at + 1))
+            .chain(above.map(|at| (at, at + wide)));
+        let turns = pairs.map(|(a, b)| fronts[a].angle_between(fronts[b]));
+        leaf.card.turn = turns.fold(0.0, f32::max);
         let (low, high) = places
             .iter()
             .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| {

@@ -277,6 +277,7 @@ impl RowContext<'_> {
             tint: vary(row.tint, t, hue, value),
             seed: (seed >> 32) as u32,
             // Seen from the front with the tip up, the leading vane of a left wing's feather is on the right.
+            turn: 0.0,
             mirrored: if row.mirror {
                 mirrored == row.handed
             } else {

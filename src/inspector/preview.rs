@@ -467,6 +467,7 @@ fn card(aspect: f32, tint: [f32; 3]) -> Card {
         layer: 0.0,
         tint,
         seed: 1,
+        turn: 0.0,
         mirrored: false,
     }
 }

@@ -14,6 +14,7 @@ pub mod scattering;
 pub mod seed;
 pub mod undercoat;
 pub mod vector;
+pub mod vertex_light;
 pub mod wind;
 
 pub use error::QueryError;

@@ -192,7 +192,9 @@ fn follow<T: Component>(commands: &mut Commands, draw: Entity, what: Option<T>) 
 
 /// What has to be drawn apart from a bird's own mesh.
 fn wanted(material: &FeatherMaterial, sorts: bool) -> &'static [DrawnCards] {
-    if material.splits() {
+    if material.light_budget() > 0.0 {
+        &[DrawnCards::Far, DrawnCards::Mean, DrawnCards::Lit]
+    } else if material.splits() {
         &[DrawnCards::Far, DrawnCards::Mean]
     } else if sorts && material.transparency == FeatherTransparency::OrderIndependent {
         &[DrawnCards::Core]

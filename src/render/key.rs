@@ -39,6 +39,8 @@ pub enum DrawnCards {
     Far,
     /// Color and depth of cards of the class MEAN.
     Mean,
+    /// Color and depth of cards of the class LIT: MEAN, their light found at the vertices.
+    Lit,
 }
 
 /// What of thin layers ([`Iridescence`](crate::Iridescence)) the shader knows. Their code is compiled for no bird that does
@@ -109,12 +111,26 @@ impl FeatherPipelineKey {
     /// The same for feathers whose fibres are all plain ([`crate::maths::scattering::FibreTable::is_plain`]), or not: FAR and MEAN cards
     /// have a short form of them, unless more than their color is asked of the fibres.
     pub fn with_plain_fibres(self, plain: bool) -> Self {
-        let short = matches!(self.drawn, DrawnCards::Far | DrawnCards::Mean)
-            && !(self.sampled_environment || self.overdraw || self.debug);
+        let short = matches!(
+            self.drawn,
+            DrawnCards::Far | DrawnCards::Mean | DrawnCards::Lit
+        ) && !(self.sampled_environment || self.overdraw || self.debug);
         Self {
             plain: plain && short,
             ..self
         }
+    }
+
+    /// Whether light may be found at the vertices: of plain fibres without thin layers, under prefiltered maps.
+    pub fn lights_vertices(&self) -> bool {
+        let mean = Self {
+            drawn: DrawnCards::Mean,
+            ..*self
+        };
+        self.splits()
+            && self.layers == ThinLayers::None
+            && !self.lights_together
+            && mean.with_plain_fibres(true).plain
     }
 
     /// The phase of Bevy in which the material is drawn.
@@ -150,6 +166,7 @@ impl FeatherPipelineKey {
             DrawnCards::Own | DrawnCards::Core => {}
             DrawnCards::Far => defs.push("ONLY_FAR".into()),
             DrawnCards::Mean => defs.push("ONLY_MEAN".into()),
+            DrawnCards::Lit => defs.extend(["ONLY_MEAN".into(), "ONLY_LIT".into()]),
         }
         defs
     }
@@ -304,7 +321,15 @@ pub fn shader_defs(key: &FeatherPipelineKey, pass: &PassKey) -> [Vec<ShaderDefVa
         vertex.push("ORDER_WINDOW".into());
     }
     match *pass {
-        PassKey::Forward { .. } => fragment.extend(key.color_defs()),
+        PassKey::Forward { .. } => {
+            fragment.extend(key.color_defs());
+            if key.drawn == DrawnCards::Lit {
+                vertex.extend(key.color_defs());
+                for stage in [&mut vertex, &mut fragment] {
+                    stage.push("LIT_VERTICES".into());
+                }
+            }
+        }
         PassKey::Prepass {
             directional,
             outputs,
@@ -343,6 +368,7 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
         DrawnCards::Core,
         DrawnCards::Far,
         DrawnCards::Mean,
+        DrawnCards::Lit,
     ];
     // What of sampled environment, lights together, overdraw, debug and thin layers goes together.
     use ThinLayers::{Even, Graded, None};
@@ -386,8 +412,10 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
                         DrawnCards::Own => true,
                         DrawnCards::Core => transparency == FeatherTransparency::OrderIndependent,
                         DrawnCards::Far | DrawnCards::Mean => key.splits(),
+                        DrawnCards::Lit => key.lights_vertices(),
                     };
-                    if made {
+                    // Light at vertices is of plain fibres only.
+                    if made && drawn != DrawnCards::Lit {
                         keys.push(key);
                     }
                     let plain = key.with_plain_fibres(true);

@@ -1,9 +1,13 @@
 //! What the shaders have to agree with, for the test that reads both.
 
 use super::{
-    lod, material,
+    lod,
+    lod::CARD_COUNTERS,
+    material,
     material::DebugView,
     pack::{CARD_VEC4S, FEATHER_STRIDE, HEADER_LENGTH, MAX_REGIONS, header, stack},
+    vertex_light::VERTEX_LIGHTS,
+    wind::motion,
 };
 use crate::{
     anatomy::{CONTOUR_ROWS, RACHIS_ROWS},
@@ -63,6 +67,10 @@ pub fn constant_layouts() -> Vec<ConstantLayout> {
             ("CARD_FAR", Lod::Far as usize),
             ("CARD_MEAN", Lod::Mean as usize),
             ("CARD_MIXED", Lod::Mixed as usize),
+            ("CARD_LIT", CARD_COUNTERS.len() - 1),
+            ("MOTION_WORN", motion::WORN),
+            ("MOTION_LIGHTS", motion::LIGHTS),
+            ("MOTION_REGIONS", motion::REGIONS),
         ],
     );
     all.extend(in_file(
@@ -73,6 +81,10 @@ pub fn constant_layouts() -> Vec<ConstantLayout> {
             ("SHORT_STEP_LENGTH", SHORT_STEP_VEC4S),
             ("SHORT_TABLE_LENGTH", SHORT_TABLE_VEC4S),
         ],
+    ));
+    all.extend(in_file(
+        "card/feather_vertex_light.wgsl",
+        &[("VERTEX_LIGHTS", VERTEX_LIGHTS)],
     ));
     all.extend(in_file(
         "maths/interference.wgsl",

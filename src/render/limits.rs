@@ -36,13 +36,15 @@ pub(super) fn path_is_full(path: Option<Res<ActiveFeatherPath>>) -> bool {
 /// What the feather pipelines need of `wgpu::Limits`: name, least value.
 ///
 /// A fragment stage binds the view's clusters (3), Bevy's transparency list (3), the mesh (1) and the feathers (1) as storage
-/// buffers; a vertex stage the mesh, two skins, visibility ranges, cards, their classes and the wind (7).
-const NEEDS: [(&str, u64); 5] = [
+/// buffers; a vertex stage the mesh, two skins, visibility ranges, cards, their classes and the wind (7), and
+/// hands on up to 16 variables where it finds light.
+const NEEDS: [(&str, u64); 6] = [
     ("max_storage_buffers_per_shader_stage", 8),
     ("max_bind_groups", 4),
     ("max_texture_array_layers", 64),
     ("max_compute_invocations_per_workgroup", 64),
     ("max_storage_buffer_binding_size", 1 << 24),
+    ("max_inter_stage_shader_variables", 16),
 ];
 
 /// Decides how feathers are drawn; warns, by name, of every limit that is too low for the full path.
@@ -57,6 +59,7 @@ pub fn decide(app: &mut App, wanted: FeatherPath) -> FeatherPath {
             u64::from(limits.max_texture_array_layers),
             u64::from(limits.max_compute_invocations_per_workgroup),
             limits.max_storage_buffer_binding_size,
+            u64::from(limits.max_inter_stage_shader_variables),
         ];
         choose(&values, wanted)
     });

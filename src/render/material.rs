@@ -79,6 +79,10 @@ pub struct FeatherSettings {
     /// Look at the fibres once for every four lights instead of once for each: cheaper where several lights reach the same
     /// feathers, dearer where one does (many registers). The picture is the same.
     pub lights_together: bool,
+    /// Typical error of light, as a share of white, up to which it is found at the vertices of a distant card and interpolated, 0..0.1
+    /// (0.02: an estimate, docs/book/lod.md#light-at-vertices); 0: light is found in every fragment.
+    #[reflect(@Parameter::new("", 0.0, 0.1))]
+    pub light_budget: f32,
 }
 
 impl FeatherSettings {
@@ -100,6 +104,7 @@ impl Default for FeatherSettings {
             order_window: 0.1,
             environment_samples: 0,
             lights_together: false,
+            light_budget: 0.02,
         }
     }
 }
@@ -192,8 +197,8 @@ pub struct FeatherMaterial {
     #[storage(3, read_only, visibility(vertex))]
     pub lod: Handle<ShaderBuffer>,
     /// Albedo: two layers (front, back) per feather, alpha = share of the groom's tint.
-    #[texture(4, dimension = "2d_array")]
-    #[sampler(5)]
+    #[texture(4, dimension = "2d_array", visibility(vertex, fragment))]
+    #[sampler(5, visibility(vertex, fragment))]
     pub albedo: Handle<Image>,
     /// Wind and ruffle, see [`super::Wind`].
     #[storage(6, read_only, visibility(vertex))]
@@ -204,6 +209,15 @@ impl FeatherMaterial {
     /// See [`FeatherPipelineKey::splits`].
     pub(super) fn splits(&self) -> bool {
         FeatherPipelineKey::from(self).splits()
+    }
+
+    /// `FeatherSettings::light_budget`, 0 where the feathers cannot be lit at vertices ([`FeatherPipelineKey::lights_vertices`]).
+    pub(super) fn light_budget(&self) -> f32 {
+        if self.plain && FeatherPipelineKey::from(self).lights_vertices() {
+            self.settings.light_budget.clamp(0.0, 0.1)
+        } else {
+            0.0
+        }
     }
 
     /// The same feathers, but other fragments of them.

@@ -35,6 +35,7 @@ pub mod pack;
 mod prepare;
 mod specialize;
 mod stacks;
+mod vertex_light;
 mod wind;
 
 pub use baked::BakedFeather;
@@ -74,7 +75,7 @@ impl Plugin for FeatherRenderPlugin {
             .register_type::<Ruffle>()
             .register_type::<FeatherPath>()
             .init_resource::<Wind>()
-            .register_type::<FeatherPath>()
+            .init_resource::<vertex_light::VertexLights>()
             .register_type::<PlumageMemory>()
             .add_systems(
                 PostUpdate,

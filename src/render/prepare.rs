@@ -5,6 +5,7 @@ use super::{
     material::{FeatherMaterial, FeatherSettings},
     pack::{TableCache, albedo_array, pack_cards, pack_feathers, same_paint},
     stacks::StackWork,
+    vertex_light::find_lights,
     wind,
 };
 use crate::{
@@ -45,9 +46,11 @@ pub(super) fn add_systems(app: &mut App) {
     )
     .add_systems(
         PostUpdate,
-        wind::move_feathers
+        (find_lights, wind::move_feathers)
+            .chain()
             .in_set(PlumageSystems::MoveFeathers)
             .after(PlumageSystems::PrepareMaterials)
+            .after(TransformSystems::Propagate)
             .after(find_worn),
     );
 }

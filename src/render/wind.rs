@@ -1,7 +1,7 @@
 //! Wind and ruffle as an app sets them, and the buffer of each bird that tells its cards, together with the pose that it wears (the
 //! maths: [`crate::maths::wind`]).
 
-use super::{material::FeatherMaterial, pack::MAX_REGIONS};
+use super::{material::FeatherMaterial, pack::MAX_REGIONS, vertex_light::VertexLights};
 use crate::{
     groom::{CardRegion, FeathersOf, PlumageCards, Worn},
     maths::wind::{Breeze, RUFFLE_LIFT, RUFFLE_YAW, wind_response},
@@ -104,10 +104,23 @@ impl Ruffle {
     }
 }
 
-/// Rows of one bird: wind, heights in the poses that it wears, then (lift, compliance, limit, yaw) of every region.
+/// First rows of the table, after those of the wind.
+pub(super) mod motion {
+    use super::super::vertex_light::VERTEX_LIGHTS;
+
+    /// Heights in the poses that are worn.
+    pub const WORN: usize = 2;
+    /// Lights.
+    pub const LIGHTS: usize = WORN + 1;
+    /// Regions.
+    pub const REGIONS: usize = LIGHTS + VERTEX_LIGHTS;
+}
+
+/// Rows of one bird: wind, heights in the poses that it wears, lights, then (lift, compliance, limit, yaw) of every region.
 fn motion_rows(
     wind: &Wind,
     worn: [f32; 4],
+    lights: &VertexLights,
     ruffle: Option<&Ruffle>,
     regions: &[CardRegion],
 ) -> Vec<[f32; 4]> {
@@ -119,6 +132,7 @@ fn motion_rows(
     let regions = &regions[..regions.len().min(MAX_REGIONS as usize)];
     let mut rows = wind.rows(regions.len().max(1)).to_vec();
     rows.push(worn);
+    rows.extend(lights.rows().map(|row| row.to_array()));
     rows.extend(regions.iter().map(row));
     if regions.is_empty() {
         rows.push(row(&CardRegion {
@@ -131,7 +145,13 @@ fn motion_rows(
 
 /// The buffer of a bird in still air.
 pub(super) fn still_motion(cards: &PlumageCards) -> ShaderBuffer {
-    let rows = motion_rows(&Wind::default(), [0.0; 4], None, &cards.regions);
+    let rows = motion_rows(
+        &Wind::default(),
+        [0.0; 4],
+        &VertexLights::default(),
+        None,
+        &cards.regions,
+    );
     let mut buffer = ShaderBuffer::new(&bytes(&rows, &rows), RenderAssetUsages::default());
     buffer.buffer_description.label = Some("feather_motion");
     buffer.buffer_description.usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
@@ -154,11 +174,12 @@ pub(super) struct Motion {
     settled: bool,
 }
 
-/// Writes a bird's buffer when its wind, ruffle or worn pose has changed, and once more a frame later, when the change is the past. The
+/// Writes a bird's buffer when its wind, ruffle, lights or worn pose have changed, and once more a frame later, when the change is the past. The
 /// bind group stays.
 pub(super) fn move_feathers(
     mut commands: Commands,
     wind: Res<Wind>,
+    lights: Res<VertexLights>,
     ruffles: Query<Ref<Ruffle>>,
     mut birds: Query<(
         Entity,
@@ -174,6 +195,7 @@ pub(super) fn move_feathers(
     for (entity, cards, of, material, worn, motion) in &mut birds {
         let ruffle = ruffles.get(FeathersOf::owner(of, entity)).ok();
         let moved = wind.is_changed()
+            || lights.is_changed()
             || cards.is_changed()
             || material.is_changed()
             || worn.as_ref().is_some_and(Ref::is_changed)
@@ -186,7 +208,7 @@ pub(super) fn move_feathers(
             continue;
         };
         let heights = worn.map_or([0.0; 4], |worn| worn.heights);
-        let now = motion_rows(&wind, heights, ruffle.as_deref(), &cards.regions);
+        let now = motion_rows(&wind, heights, &lights, ruffle.as_deref(), &cards.regions);
         let ruffled = ruffle.is_some();
         let buffer = material.motion.id();
         let mut known = motion.filter(|motion| motion.buffer == buffer);
@@ -264,8 +286,14 @@ mod tests {
             name: String::new(),
             stiffness: f32::NAN,
         };
-        let rows = motion_rows(&wild, [0.0; 4], Some(&ruffle), &vec![region; 4]);
-        assert_eq!(rows.len(), 7);
+        let rows = motion_rows(
+            &wild,
+            [0.0; 4],
+            &VertexLights::default(),
+            Some(&ruffle),
+            &vec![region; 4],
+        );
+        assert_eq!(rows.len(), 9);
         assert!(rows.iter().flatten().all(|x| x.is_finite()), "{rows:?}");
     }
 }

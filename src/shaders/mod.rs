@@ -58,6 +58,7 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "maths/scattering_sample.wgsl");
         load_shader_library!(app, "maths/interference.wgsl");
         load_shader_library!(app, "maths/sheen.wgsl");
+        load_shader_library!(app, "maths/vertex_light.wgsl");
         load_shader_library!(app, "maths/down_transfer.wgsl");
         load_shader_library!(app, "maths/down_strands.wgsl");
         load_shader_library!(app, "card/feather_data.wgsl");
@@ -68,6 +69,8 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "card/feather_pattern.wgsl");
         load_shader_library!(app, "card/feather_cover.wgsl");
         load_shader_library!(app, "card/feather_shadow.wgsl");
+        load_shader_library!(app, "card/feather_fibre.wgsl");
+        load_shader_library!(app, "card/feather_vertex_light.wgsl");
         load_shader_library!(app, "card/feather_opacity.wgsl");
         load_shader_library!(app, "card/feather_place.wgsl");
         load_shader_library!(app, "card/feather_debug.wgsl");

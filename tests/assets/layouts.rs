@@ -118,6 +118,7 @@ fn card(i: u16) -> Card {
         joints: [i, 65_535 - i, 7 * i, 256 + i],
         weights: [0.5, 0.25, 0.15, 0.1],
         feather: 513 + i,
+        turn: 0.1 * (i % 7) as f32,
         mirrored: i % 2 == 1,
         region: i % 128,
         layer: 3.0 + 0.5 * t,
@@ -128,7 +129,7 @@ fn card(i: u16) -> Card {
 
 #[test]
 fn a_packed_card_makes_the_round_trip() {
-    const VALUES: usize = 30;
+    const VALUES: usize = 31;
     let text = "#import bevy_plumage::feather_data as data
         fn words(at: u32) -> vec4<u32> {
             return bitcast<vec4<u32>>(vec4(input[at], input[at + 1u], input[at + 2u], input[at + 3u]));
@@ -137,7 +138,7 @@ fn a_packed_card_makes_the_round_trip() {
             let at = 4u * data::CARD_LENGTH * i;
             let card = data::card_decode(words(at), words(at + 4u), words(at + 8u), words(at + 12u), words(at + 16u));
             let bits = card.feather;
-            let values = array<f32, 30>(
+            let values = array<f32, 31>(
                 card.root.x, card.root.y, card.root.z, card.length,
                 card.center.x, card.center.y, card.center.z, card.radius,
                 card.along.x, card.along.y, card.along.z, card.width,
@@ -146,9 +147,9 @@ fn a_packed_card_makes_the_round_trip() {
                 f32(data::card_feather(bits)), f32((bits >> 16u) & 1u), f32(data::card_region(bits)), data::card_layer(bits),
                 f32(card.seed & 0xffffu), f32(card.seed >> 16u),
                 card.normal.x, card.normal.y, card.normal.z,
-                dot(data::card_tint(card.tint), vec3(1.0, 10.0, 100.0)),
+                dot(data::card_tint(card.tint), vec3(1.0, 10.0, 100.0)), data::card_turn(card.tint),
             );
-            for (var j = 0u; j < 30u; j++) { output[30u * i + j] = values[j]; }
+            for (var j = 0u; j < 31u; j++) { output[31u * i + j] = values[j]; }
         }";
     let cards: Vec<Card> = (0..100).map(card).collect();
     let bytes = pack_cards(&cards);
@@ -188,6 +189,12 @@ fn a_packed_card_makes_the_round_trip() {
         // Tints are ten bits of a square root.
         let tint = card.tint[0] + 10.0 * card.tint[1] + 100.0 * card.tint[2];
         assert!((found[29] - tint).abs() < 111.0 * 2.0 / 1023.0, "{card:?}");
+        // How far it turns is one of four bounds.
+        let bounds = [5.0, 10.0, 20.0, 40.0];
+        let bound = bounds
+            .into_iter()
+            .find(|bound| card.turn.to_degrees() <= *bound);
+        assert_eq!(found[30], bound.unwrap_or(40.0), "{card:?}");
     }
 }
 

@@ -14,3 +14,4 @@ mod mutations;
 mod order_gpu;
 mod shaders;
 mod version_1;
+mod vertex_light_gpu;

@@ -330,6 +330,7 @@ fn card(aspect: f32) -> Card {
         layer: 0.0,
         tint: TINT.map(|t| t as f32),
         seed: 1,
+        turn: 0.0,
         mirrored: false,
     }
 }

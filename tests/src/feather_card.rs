@@ -61,6 +61,7 @@ pub fn spawn_filling(stage: &mut Stage, file: &'static str) -> Entity {
         layer: 0.0,
         tint: [0.1, 0.4, 0.7],
         seed: 1,
+        turn: 0.0,
         mirrored: false,
     };
     world.entity_mut(owner).insert((

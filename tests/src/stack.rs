@@ -125,6 +125,7 @@ fn card(index: usize, count: usize) -> Card {
         layer: index as f32,
         tint: [hue, 0.2, 1.0 - hue],
         seed: index as u32 * 7919 + 1,
+        turn: 0.0,
         mirrored: false,
     }
 }

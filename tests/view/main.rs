@@ -18,6 +18,7 @@ mod order;
 mod passes;
 mod picture;
 mod transparency;
+mod vertex_light;
 mod weather;
 mod wind;
 mod wind_motion;

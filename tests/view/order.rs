@@ -44,6 +44,7 @@ fn spawn_two(stage: &mut Stage, gap: f32, quality: FeatherQuality) -> Entity {
         layer,
         tint: [0.5; 3],
         seed: 1,
+        turn: 0.0,
         mirrored: false,
     };
     let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];

@@ -220,7 +220,7 @@ fn a_depth_prepass_changes_no_color() {
         (Msaa::Off, samples, 0.07),
         (Msaa::Off, samples, 0.03),
     ] {
-        let mut draw = |transparency, prepass: bool| {
+        let mut draw = |transparency, prepass: bool, light_budget: f32| {
             let place = Transform::from_xyz(0.0, 0.0, distance);
             let world = stage.app.world_mut();
             let mut eye = world.entity_mut(camera);
@@ -230,18 +230,22 @@ fn a_depth_prepass_changes_no_color() {
             }
             let mut quality = showing(DebugView::None, transparency);
             quality.settings.order_window = 0.0;
+            quality.settings.light_budget = light_budget;
             world.entity_mut(bird).insert(quality);
             frames(&mut stage, 3);
             stage.picture()
         };
-        let without = draw(transparency, false);
-        let with = draw(transparency, true);
-        // No class has a pipeline of its own where feathers would go to a list that the camera does not have.
-        let together = draw(FeatherTransparency::OrderIndependent, false);
+        let usual = FeatherSettings::default().light_budget;
+        let without = draw(transparency, false, usual);
+        let with = draw(transparency, true, usual);
+        // No class has a pipeline of its own where feathers would go to a list that the camera does not have; there all light is found
+        // in fragments.
+        let together = draw(FeatherTransparency::OrderIndependent, false, usual);
+        let apart = draw(transparency, false, 0.0);
         for (class, count) in classes.iter_mut().zip(counts(&mut stage)) {
             *class += count;
         }
-        let off = [rms(&with, &without), rms(&together, &without)];
+        let off = [rms(&with, &without), rms(&together, &apart)];
         println!(
             "{msaa:?} {transparency:?} {distance}: {off:?} {classes:?} {}",
             mean(&without)
@@ -256,8 +260,11 @@ fn a_depth_prepass_changes_no_color() {
             "{msaa:?} {transparency:?} {distance}: {off:?}"
         );
     }
-    let [_, near, far, mean, mixed] = classes;
-    assert!(far > 20 && mean > 20 && near + mixed > 20, "{classes:?}");
+    let [_, near, far, mean, mixed, lit] = classes;
+    assert!(
+        far > 20 && mean + lit > 20 && near + mixed > 20,
+        "{classes:?}"
+    );
 }
 
 #[derive(Component)]

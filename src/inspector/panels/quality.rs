@@ -25,6 +25,7 @@ pub fn quality_panel(ui: &mut egui::Ui, fields: &Fields, quality: &mut FeatherQu
         "shelter",
         "environment_samples",
         "lights_together",
+        "light_budget",
         "order_window",
     ] {
         changed |= fields.edit_field(ui, &mut quality.settings, name);

@@ -22,9 +22,10 @@ use bevy::{
 /// 2. `far`: no pixel resolves barbules; STRIPE everywhere.
 /// 3. `mean`: no pixel resolves barbs; MEAN everywhere.
 /// 4. `mixed`: each pixel picks its evaluator.
+/// 5. `lit`: as `mean`, and the light is found at the vertices.
 ///
-/// The index is the class in the shaders; from 1 on the classes are those of [`crate::maths::query::Lod`].
-pub const CARD_COUNTERS: [&str; 5] = ["culled", "near", "far", "mean", "mixed"];
+/// The index is the class in the shaders; 1 to 4 are those of [`crate::maths::query::Lod`].
+pub const CARD_COUNTERS: [&str; 6] = ["culled", "near", "far", "mean", "mixed", "lit"];
 
 pub(super) struct LodPlugin;
 

@@ -1,6 +1,12 @@
 //! Pipeline, bind groups and dispatch of the LOD pass.
 
-use super::{super::material::FeatherMaterial, CARD_COUNTERS};
+use super::{
+    super::{
+        material::FeatherMaterial,
+        vertex_light::{VERTEX_LIGHTS, VertexLights},
+    },
+    CARD_COUNTERS,
+};
 use crate::{groom::PlumageCards, shaders::FEATHER_LOD};
 use bevy::{
     pbr::{MeshMaterial3d, SkinUniforms},
@@ -35,6 +41,7 @@ pub struct LodBird {
     feathers: AssetId<ShaderBuffer>,
     count: u32,
     threshold: f32,
+    light_budget: f32,
     world_from_local: Mat4,
     bind_group: Option<BindGroup>,
     params_offset: u32,
@@ -44,6 +51,8 @@ pub struct LodBird {
 #[derive(Resource)]
 pub struct LodBirds {
     birds: Vec<LodBird>,
+    /// See [`VertexLights::rows`].
+    lights: [Vec4; VERTEX_LIGHTS],
     params: DynamicUniformBuffer<LodParams>,
     counters: Buffer,
 }
@@ -60,6 +69,7 @@ impl FromWorld for LodBirds {
             });
         Self {
             birds: Vec::new(),
+            lights: default(),
             params: DynamicUniformBuffer::default(),
             counters,
         }
@@ -74,14 +84,16 @@ struct LodParams {
     /// First joint matrix, or `u32::MAX` without a skin.
     skin_index: u32,
     threshold: f32,
-    padding: u32,
+    light_budget: f32,
+    first_light: Vec4,
+    second_light: Vec4,
 }
 
 /// For the test that holds it against the shader.
 #[cfg(feature = "internals")]
 pub(in crate::render) fn params_layout() -> crate::shaders::StructLayout {
     crate::shaders::struct_layout!(LodParams, "card/feather_lod.wgsl", "LodParams", {
-        world_from_local, card_count, skin_index, threshold, padding,
+        world_from_local, card_count, skin_index, threshold, light_budget, first_light, second_light,
     })
 }
 
@@ -134,8 +146,10 @@ pub fn extract_birds(
         )>,
     >,
     materials: Extract<Res<Assets<FeatherMaterial>>>,
+    lights: Extract<Res<VertexLights>>,
 ) {
     birds.birds.clear();
+    birds.lights = lights.rows();
     for (entity, cards, material, transform, visible) in &query {
         let Some(material) = materials.get(material.id()) else {
             continue;
@@ -150,6 +164,11 @@ pub fn extract_birds(
             feathers: material.feathers.id(),
             count: cards.cards.len() as u32,
             threshold: material.settings.threshold(),
+            light_budget: if lights.are_all() {
+                material.light_budget()
+            } else {
+                0.0
+            },
             world_from_local: transform.to_matrix(),
             bind_group: None,
             params_offset: 0,
@@ -169,6 +188,7 @@ pub fn prepare_lod_bind_groups(
 ) {
     let LodBirds {
         birds,
+        lights: [first_light, second_light],
         params,
         counters,
     } = birds.as_mut();
@@ -183,7 +203,9 @@ pub fn prepare_lod_bind_groups(
             card_count: bird.count,
             skin_index: skins.skin_index(bird.entity).unwrap_or(NO_SKIN),
             threshold: bird.threshold,
-            padding: 0,
+            light_budget: bird.light_budget,
+            first_light: *first_light,
+            second_light: *second_light,
         });
     }
     params.write_buffer(&device, &queue);

@@ -22,6 +22,15 @@ fn octahedral(direction: Vec3) -> u32 {
     x | y << 16
 }
 
+/// Degrees that a card may turn between two vertices, for each class but the last.
+const TURNS: [f32; 3] = [5.0, 10.0, 20.0];
+
+/// Class of a card that turns by so many radians: two bits.
+fn turn_class(turn: f32) -> u32 {
+    let below = TURNS.iter().position(|limit| turn.to_degrees() <= *limit);
+    below.unwrap_or(TURNS.len()) as u32
+}
+
 /// Card records; five `vec4<u32>` each.
 pub fn pack_cards(cards: &[Card]) -> Vec<u8> {
     let layers = cards
@@ -61,7 +70,7 @@ pub fn pack_cards(cards: &[Card]) -> Vec<u8> {
         let [r, g, b] = card
             .tint
             .map(|t| (t.clamp(0.0, 1.0).sqrt() * 1023.0).round() as u32);
-        word(r | g << 10 | b << 20);
+        word(r | g << 10 | b << 20 | turn_class(card.turn) << 30);
         word(card.seed);
         word(octahedral(card.normal));
     }

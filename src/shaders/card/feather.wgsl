@@ -3,6 +3,7 @@
     feather_bindings::{albedo_sampler, albedo_texture, feather_at, feather_base, rachis_at, settings, sheen_at},
     feather_cover::{Covered, Frame, cover, frame_of},
     feather_data as data,
+    feather_fibre::{BARB, DISTAL, fibre_tangent, in_fibre},
     feather_io::{FeatherVertex, class_of},
     feather_lighting as light,
     feather_near::{NearFootprint, near_footprint},
@@ -17,6 +18,10 @@
 }
 #ifdef PLAIN_FIBRES
 #import bevy_plumage::scattering_short as short
+#import bevy_plumage::feather_fibre::short_part
+#endif
+#ifdef LIT_VERTICES
+#import bevy_plumage::feather_vertex_light::{light_response, paint_over, response_of}
 #endif
 #ifdef DEBUG_VIEW
 #import bevy_plumage::feather_debug::{VIEW_LOBE, debug_color}
@@ -36,10 +41,6 @@
 #import bevy_core_pipeline::oit::oit_draw
 #endif
 
-// Components in the order of the weights; the rachis is 0.
-const BARB: u32 = 1u;
-const DISTAL: u32 = 2u;
-const PROXIMAL: u32 = 3u;
 // Lights fetched at a time: each is held in registers while the fibres are looked at.
 #ifdef LIGHTS_TOGETHER
 const BATCH: u32 = 4u;
@@ -56,23 +57,6 @@ const ROUNDING: f32 = 0.0;
 #endif
 // What a fragment adds in the overdraw view: sixteen make white.
 const OVERDRAW_STEP: f32 = 0.0625;
-
-// Direction of a component's fibres in the frame of the card; `shear`: of the map along a curved rachis.
-fn fibre_tangent(part: u32, angles: vec4<f32>, right: bool, shear: f32) -> vec2<f32> {
-    var v = vec2(0.0, 1.0);
-    let barb = vec2(-angles.x, angles.y);
-    if (part == BARB) { v = barb; }
-    // Turned by the barbule angle towards the tip (distal) or the base (proximal).
-    if (part == DISTAL) { v = vec2(barb.x * angles.w + barb.y * angles.z, barb.y * angles.w - barb.x * angles.z); }
-    if (part == PROXIMAL) { v = vec2(barb.x * angles.w - barb.y * angles.z, barb.y * angles.w + barb.x * angles.z); }
-    if (right) { v.x = -v.x; }
-    return normalize(vec2(v.x + shear * v.y, v.y));
-}
-
-// A direction of the card in the frame of a fibre: along it, across (the normal crossed with it), along the normal.
-fn in_fibre(tangent: vec2<f32>, hand: f32, direction: vec3<f32>) -> vec3<f32> {
-    return vec3(dot(tangent, direction.xy), hand * (tangent.y * direction.x - tangent.x * direction.y), direction.z);
-}
 
 // A light as the fibres of a fragment see it.
 struct Arriving {
@@ -122,37 +106,6 @@ fn family_light(seen: light::Fragment, side: vec3<f32>, frame: Frame, tangent: v
     let local = vec3(m.x * tangent + m.y * frame.hand * vec2(tangent.y, -tangent.x), m.z);
     let there = local.x * frame.across + local.y * frame.along + local.z * frame.normal;
     return light::environment(seen, side, there, shimmer_roughness(shimmer.facets.flatness, shimmer.facets.slope)).radiance;
-}
-#endif
-
-#ifdef PLAIN_FIBRES
-// The fibre of one component from its short table, prepared for the lights.
-fn short_part(index: f32, eye: vec3<f32>, dark_back: f32) -> short::ShortShading {
-    // Exact: the buffer has fewer than 2^24 vec4s.
-    let table = u32(feather_at(0u).w + index * f32(short::SHORT_TABLE_LENGTH));
-    var head = array<vec4<f32>, 4>();
-    for (var i = 0u; i < short::SHORT_HEAD_LENGTH; i++) {
-        head[i] = feather_at(table + i);
-    }
-    let place = fibre_row_at(sqrt(max(1.0 - eye.x * eye.x, 0.0)));
-    let first = table + short::SHORT_HEAD_LENGTH + place.index * short::SHORT_STEP_LENGTH;
-    let change = first + short::SHORT_ROW_LENGTH;
-    var row = array<vec4<f32>, 9>();
-#ifdef ONLY_MEAN
-    // Of every series the four terms.
-    for (var i = 0u; i < 6u; i++) {
-        let to = select(2u * i - 3u, i, i < 3u);
-        row[to] = feather_at(first + i) + feather_at(change + i) * place.fraction;
-    }
-    let fine = false;
-#else
-    for (var i = 0u; i < 9u; i++) {
-        let from_row = select(i + 3u, i, i < 3u);
-        row[i] = feather_at(first + from_row) + feather_at(change + from_row) * place.fraction;
-    }
-    let fine = true;
-#endif
-    return short::short_shading(head, row, eye, dark_back, fine);
 }
 #endif
 
@@ -232,6 +185,34 @@ fn fragment(in: FeatherVertex) -> FeatherColor {
     return out;
 }
 
+#ifdef LIT_VERTICES
+// Light from the fragment towards the eye: what its card makes of light is known from its vertices.
+fn shade(
+    in: FeatherVertex,
+    base: u32,
+    shape: vec4<f32>,
+    frame: Frame,
+    covered: Covered,
+    albedo: vec3<f32>,
+    opacity: f32,
+) -> vec3<f32> {
+    let seen = light::fragment_of(in.world_position, frame.normal, in.position, in.instance_index);
+    let eye_side = select(-frame.normal, frame.normal, frame.local_eye.z >= 0.0);
+    let around = light::environment(seen, eye_side, reflect(-frame.eye, eye_side), 0.6);
+    let behind = light::environment(seen, -eye_side, -frame.eye, 0.8);
+    let response = response_of(in, covered.right, covered.weights.x / opacity);
+    let paint = paint_over(albedo);
+    var sum = around.radiance * response.sky + around.irradiance * (response.front * paint)
+        + behind.irradiance * (response.back * paint);
+    let lights = light::lights_of(seen);
+    for (var i = 0u; i < lights.count; i++) {
+        let found = light::light_at(seen, lights, i);
+        let answer = light_response(in, response, found.direction);
+        sum += found.color * (answer.rgb * paint + answer.w);
+    }
+    return max(sum, vec3(0.0)) * light::exposure();
+}
+#else
 // Light from the fragment towards the eye, where its coverage is `opacity` in all.
 fn shade(
     in: FeatherVertex,
@@ -472,6 +453,8 @@ fn shade(
     }
     return max(sum, vec3(0.0)) * light::exposure();
 }
+
+#endif
 
 #ifdef DEBUG_VIEW
 // Where the energy of the fibres goes: surface reflection red, back to the eye's side green, through the feather blue.

@@ -24,7 +24,7 @@ struct FeatherSettings {
 @group(#{MATERIAL_BIND_GROUP}) @binding(4) var albedo_texture: texture_2d_array<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(5) var albedo_sampler: sampler;
 // Wind and ruffle, now and then a frame ago (twin of src/render/wind.rs): (direction, speed), (gusts, eddy size, eddy frequency,
-// regions), then (lift, compliance, limit, yaw) of each region.
+// regions), heights of the worn pose, two lights (direction, 1: there is one), then (lift, compliance, limit, yaw) of each region.
 @group(#{MATERIAL_BIND_GROUP}) @binding(6) var<storage, read> motion: array<vec4<f32>>;
 
 // Indices are those of a table that feather_base has found: none lies outside.

@@ -43,6 +43,13 @@ const CARD_NEAR: u32 = 1u;
 const CARD_FAR: u32 = 2u;
 const CARD_MEAN: u32 = 3u;
 const CARD_MIXED: u32 = 4u;
+// MEAN, its light found at the vertices.
+const CARD_LIT: u32 = 5u;
+
+// Rows of the motion table before its regions: wind (2), heights of the worn pose, lights (2).
+const MOTION_WORN: u32 = 2u;
+const MOTION_LIGHTS: u32 = 3u;
+const MOTION_REGIONS: u32 = 5u;
 
 // One card record.
 const CARD_LENGTH: u32 = 5u;
@@ -68,6 +75,8 @@ const MAX_REGIONS: u32 = 128u;
 
 fn card_feather(bits: u32) -> u32 { return bits & 0xffffu; }
 fn card_region(bits: u32) -> u32 { return (bits >> 17u) & (MAX_REGIONS - 1u); }
+// Largest angle between the normals of neighboring vertices, degrees, in two bits above the tint.
+fn card_turn(bits: u32) -> f32 { return 5.0 * f32(1u << (bits >> 30u)); }
 fn card_layer(bits: u32) -> f32 { return f32(bits >> 24u) / 255.0; }
 
 // Linear color that the groom gives, as square roots of ten bits.
@@ -83,6 +92,12 @@ fn octahedral(p: vec2<f32>) -> vec3<f32> {
         v = vec3((1.0 - abs(p.yx)) * select(vec2(-1.0), vec2(1.0), p >= vec2(0.0)), v.z);
     }
     return normalize(v);
+}
+
+// The two numbers of a direction.
+fn octahedral_of(direction: vec3<f32>) -> vec2<f32> {
+    let v = direction / max(dot(abs(direction), vec3(1.0)), 1e-9);
+    return select((1.0 - abs(v.yx)) * select(vec2(-1.0), vec2(1.0), v.xy >= vec2(0.0)), v.xy, v.z >= 0.0);
 }
 
 fn card_decode(a: vec4<u32>, b: vec4<u32>, c: vec4<u32>, d: vec4<u32>, e: vec4<u32>) -> Card {

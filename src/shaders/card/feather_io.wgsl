@@ -35,6 +35,19 @@ struct FeatherVertex {
 #ifdef VISIBILITY_RANGE_DITHER
     @location(6) @interpolate(flat) visibility_range_dither: i32,
 #endif
+#ifdef LIT_VERTICES
+    // What both vanes make of light, see VaneResponse.
+    @location(7) left_first: vec4<f32>,
+    @location(8) left_second: vec4<f32>,
+    @location(9) left_front: vec4<f32>,
+    @location(10) left_back: vec4<f32>,
+    @location(11) right_first: vec4<f32>,
+    @location(12) right_second: vec4<f32>,
+    @location(13) right_front: vec4<f32>,
+    @location(14) right_back: vec4<f32>,
+    // What the shaft makes of it.
+    @location(15) shaft: vec4<f32>,
+#endif
 #ifdef PREPASS_PIPELINE
 #ifdef MOTION_VECTOR_PREPASS
     @location(7) previous_world_position: vec4<f32>,

@@ -3,6 +3,7 @@
 #import bevy_plumage::feather_data as data
 #import bevy_plumage::masking::Vane
 #import bevy_plumage::query::classify_bounds
+#import bevy_plumage::vertex_light::vertex_light_error
 
 struct LodParams {
     world_from_local: mat4x4<f32>,
@@ -10,7 +11,10 @@ struct LodParams {
     skin_index: u32,
     // Of the chooser, from the error budget.
     threshold: f32,
-    padding: u32,
+    // Largest error that light found at vertices may have, 0: it may not be found there.
+    light_budget: f32,
+    first_light: vec4<f32>,
+    second_light: vec4<f32>,
 }
 
 const NO_SKIN: u32 = 0xffffffffu;
@@ -64,6 +68,16 @@ fn feather_vane(base: u32, slot: u32) -> Vane {
     );
 }
 
+// Cards of fewer pixels have too few fragments to be worth their vertices.
+const LEAST_PIXELS: f32 = 40.0;
+
+// The least of the cosines between a card's normal and eye and lights.
+fn least_facing(normal: vec3<f32>, eye: vec3<f32>) -> f32 {
+    let lights = abs(vec2(dot(normal, params.first_light.xyz), dot(normal, params.second_light.xyz)));
+    let there = mix(vec2(1.0), lights, vec2(params.first_light.w, params.second_light.w));
+    return min(abs(dot(normal, eye)), min(there.x, there.y));
+}
+
 fn classify_card(index: u32) -> u32 {
     let at = index * data::CARD_LENGTH;
     let card = data::card_decode(cards[at], cards[at + 1u], cards[at + 2u], cards[at + 3u], cards[at + 4u]);
@@ -96,7 +110,16 @@ fn classify_card(index: u32) -> u32 {
     let major = PIXEL_SIGMA * pixel * farthest * max(along, across) * MAX_ASPECT;
     let left = classify_bounds(feather_vane(base, data::LEFT_VANE), minor, major, params.threshold);
     let right = classify_bounds(feather_vane(base, data::RIGHT_VANE), minor, major, params.threshold);
-    return select(data::CARD_MIXED, left, left == right);
+    let level = select(data::CARD_MIXED, left, left == right);
+    if (level != data::CARD_MEAN || params.light_budget <= 0.0) {
+        return level;
+    }
+    let world_normal = normalize((world_from_local * vec4(card.normal, 0.0)).xyz);
+    let eye = select(normalize(view.world_position - center), view.world_from_view[2].xyz, is_orthographic);
+    let step = pixel * select(depth, 1.0, is_orthographic);
+    let pixels = feather_length * feather_length * card.width / max(card.length * step * step, 1e-12);
+    let lit = pixels >= LEAST_PIXELS && vertex_light_error(data::card_turn(card.tint), least_facing(world_normal, eye)) <= params.light_budget;
+    return select(data::CARD_MEAN, data::CARD_LIT, lit);
 }
 
 @compute @workgroup_size(64)
@@ -107,5 +130,5 @@ fn classify(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let level = classify_card(id.x);
     lod[id.x] = level;
-    atomicAdd(&counters[min(level, 4u)], 1u);
+    atomicAdd(&counters[min(level, data::CARD_LIT)], 1u);
 }

@@ -43,7 +43,7 @@ fn previous_world_from_card(vertex: CardVertex) -> mat4x4<f32> {
 // Where a vertex lies in the pose that the bird wears, in bind pose. `first`: row of the motion table, as below.
 fn raised(vertex: CardVertex, first: u32) -> vec3<f32> {
 #ifdef WORN_POSES
-    return vertex.position + vertex.normal * dot(vertex.raised, motion_at(first + 2u));
+    return vertex.position + vertex.normal * dot(vertex.raised, motion_at(first + data::MOTION_WORN));
 #else
     return vertex.position;
 #endif
@@ -64,7 +64,7 @@ fn is_still(turn: Turn) -> bool {
 fn turn_of(card: data::Card, first: u32, world_from_local: mat4x4<f32>, time: f32) -> Turn {
     let air = motion_at(first);
     let eddies = motion_at(first + 1u);
-    let region = motion_at(first + 3u + min(data::card_region(card.feather), max(u32(eddies.w), 1u) - 1u));
+    let region = motion_at(first + data::MOTION_REGIONS + min(data::card_region(card.feather), max(u32(eddies.w), 1u) - 1u));
     var lift = 0.0;
     if (air.w + eddies.x > 0.0) {
         let breeze = Breeze(air.xyz, air.w, eddies.x, eddies.y, eddies.z);
@@ -108,7 +108,9 @@ fn is_drawn(level: u32) -> bool {
     if (is_light()) {
         return true;
     }
-#ifdef ONLY_MEAN
+#ifdef ONLY_LIT
+    return level == data::CARD_LIT;
+#else ifdef ONLY_MEAN
     return level == data::CARD_MEAN;
 #else ifdef ONLY_FAR
     return level == data::CARD_FAR;

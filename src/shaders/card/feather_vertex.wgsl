@@ -2,8 +2,16 @@
 #import bevy_pbr::mesh_view_bindings::globals
 #import bevy_plumage::feather_io::{CardVertex, FeatherVertex}
 #import bevy_plumage::feather_place::place
+#ifdef LIT_VERTICES
+#import bevy_plumage::feather_vertex_light::light_vertex
+#endif
 
 @vertex
 fn vertex(vertex: CardVertex) -> FeatherVertex {
-    return place(vertex, globals.time, globals.delta_time);
+    let placed = place(vertex, globals.time, globals.delta_time);
+#ifdef LIT_VERTICES
+    return light_vertex(placed);
+#else
+    return placed;
+#endif
 }

@@ -93,6 +93,7 @@ fn class_name(key: &FeatherPipelineKey) -> &'static str {
         DrawnCards::Core => "core",
         DrawnCards::Far => "FAR",
         DrawnCards::Mean => "MEAN",
+        DrawnCards::Lit => "LIT",
     }
 }
 
@@ -126,7 +127,10 @@ fn feather_name(key: &FeatherPipelineKey, pass: &PassKey) -> String {
             (key.layers == ThinLayers::Even, ", thin layers"),
             (key.layers == ThinLayers::Graded, ", graded thin layers"),
             (
-                matches!(key.drawn, DrawnCards::Far | DrawnCards::Mean) && !key.plain,
+                matches!(
+                    key.drawn,
+                    DrawnCards::Far | DrawnCards::Mean | DrawnCards::Lit
+                ) && !key.plain,
                 ", any fibre",
             ),
         ] {
@@ -184,7 +188,10 @@ fn is_usual(key: &FeatherPipelineKey, pass: &PassKey) -> bool {
             ..
         }
     );
-    let short = matches!(key.drawn, DrawnCards::Far | DrawnCards::Mean);
+    let short = matches!(
+        key.drawn,
+        DrawnCards::Far | DrawnCards::Mean | DrawnCards::Lit
+    );
     let fibres = key.plain || !(after && short);
     plain && seen && !listed && fibres && (default || (mean && optional && !prepared))
 }

@@ -1,0 +1,62 @@
+// The fibres of a card: how they lie in it, and their tables.
+#define_import_path bevy_plumage::feather_fibre
+#import bevy_plumage::{
+    feather_bindings::feather_at,
+    scattering::fibre_row_at,
+}
+#ifdef PLAIN_FIBRES
+#import bevy_plumage::scattering_short as short
+#endif
+
+// Components in the order of the weights; the rachis is 0.
+const BARB: u32 = 1u;
+const DISTAL: u32 = 2u;
+const PROXIMAL: u32 = 3u;
+
+// Direction of a component's fibres in the frame of the card; `shear`: of the map along a curved rachis.
+fn fibre_tangent(part: u32, angles: vec4<f32>, right: bool, shear: f32) -> vec2<f32> {
+    var v = vec2(0.0, 1.0);
+    let barb = vec2(-angles.x, angles.y);
+    if (part == BARB) { v = barb; }
+    // Turned by the barbule angle towards the tip (distal) or the base (proximal).
+    if (part == DISTAL) { v = vec2(barb.x * angles.w + barb.y * angles.z, barb.y * angles.w - barb.x * angles.z); }
+    if (part == PROXIMAL) { v = vec2(barb.x * angles.w - barb.y * angles.z, barb.y * angles.w + barb.x * angles.z); }
+    if (right) { v.x = -v.x; }
+    return normalize(vec2(v.x + shear * v.y, v.y));
+}
+
+// A direction of the card in the frame of a fibre: along it, across (the normal crossed with it), along the normal.
+fn in_fibre(tangent: vec2<f32>, hand: f32, direction: vec3<f32>) -> vec3<f32> {
+    return vec3(dot(tangent, direction.xy), hand * (tangent.y * direction.x - tangent.x * direction.y), direction.z);
+}
+
+#ifdef PLAIN_FIBRES
+// The fibre of one component from its short table, prepared for the lights.
+fn short_part(index: f32, eye: vec3<f32>, dark_back: f32) -> short::ShortShading {
+    // Exact: the buffer has fewer than 2^24 vec4s.
+    let table = u32(feather_at(0u).w + index * f32(short::SHORT_TABLE_LENGTH));
+    var head = array<vec4<f32>, 4>();
+    for (var i = 0u; i < short::SHORT_HEAD_LENGTH; i++) {
+        head[i] = feather_at(table + i);
+    }
+    let place = fibre_row_at(sqrt(max(1.0 - eye.x * eye.x, 0.0)));
+    let first = table + short::SHORT_HEAD_LENGTH + place.index * short::SHORT_STEP_LENGTH;
+    let change = first + short::SHORT_ROW_LENGTH;
+    var row = array<vec4<f32>, 9>();
+#ifdef ONLY_MEAN
+    // Of every series the four terms.
+    for (var i = 0u; i < 6u; i++) {
+        let to = select(2u * i - 3u, i, i < 3u);
+        row[to] = feather_at(first + i) + feather_at(change + i) * place.fraction;
+    }
+    let fine = false;
+#else
+    for (var i = 0u; i < 9u; i++) {
+        let from_row = select(i + 3u, i, i < 3u);
+        row[i] = feather_at(first + from_row) + feather_at(change + from_row) * place.fraction;
+    }
+    let fine = true;
+#endif
+    return short::short_shading(head, row, eye, dark_back, fine);
+}
+#endif

@@ -1,0 +1,231 @@
+// What a card makes of light, found at its vertices and interpolated: for cards over which it changes evenly. Eye and directions of
+// lights are known there; what of a light arrives, and the painted color, are asked in every fragment.
+#define_import_path bevy_plumage::feather_vertex_light
+#import bevy_plumage::{
+    anatomy::{barbule_factor, hooked},
+    feather_bindings::{albedo_sampler, albedo_texture, contour_at, feather_at, feather_base, motion, rachis_at, settings, shape_at, sheen_at},
+    feather_cover::{Covered, Frame, frame_of},
+    feather_data as data,
+    feather_fibre::{DISTAL, fibre_tangent, in_fibre, short_part},
+    feather_io::FeatherVertex,
+    feather_shadow::{Reaches, caught_light, kept_light, kept_place, light_ray, reach_of, reaches_of, shadowing_of},
+    footprint::Footprint,
+    masking::{barb_strip, seen_cell, storeys},
+    query::{LOD_MEAN, vane_coverage},
+    scattering::{FibreReach, PARALLEL_MEETINGS, single_scattering_albedo},
+    scattering_short as short,
+    sheen::{sheen_albedo, sheen_evaluate, sheen_place, sheen_tint},
+}
+
+// Directional lights that are followed.
+const VERTEX_LIGHTS: u32 = 2u;
+// What a response is divided by is the painted color and this, so that black feathers divide by something.
+const LEAST_PAINT: f32 = 0.02;
+// Levels of the albedo below the smallest one: a vertex takes the color around it.
+const AROUND: u32 = 3u;
+
+// Radiance to the eye per irradiance. Of each light: for every channel per painted color, then what has no color. Of the sky in front and
+// behind, per painted color; per radiance of the mirrored sky. Of the shaft beside the vane: of the lights and the sky per painted color,
+// the mean of the channels.
+struct VaneResponse {
+    first: vec4<f32>,
+    second: vec4<f32>,
+    front: vec3<f32>,
+    back: vec3<f32>,
+    sky: f32,
+    shaft: vec4<f32>,
+}
+
+#ifdef LIT_VERTICES
+// Lights whose directions are closer than this cosine are one to a fragment.
+const SAME_LIGHT: f32 = 0.995;
+
+// A vane's, interpolated, mixed with the share of the shaft in what is seen.
+fn response_of(in: FeatherVertex, right: bool, shaft: f32) -> VaneResponse {
+    let front = select(in.left_front, in.right_front, right);
+    let vane = 1.0 - shaft;
+    let dull = vec4(vec3(shaft), 0.0);
+    return VaneResponse(
+        vane * select(in.left_first, in.right_first, right) + dull * in.shaft.x,
+        vane * select(in.left_second, in.right_second, right) + dull * in.shaft.y,
+        vane * front.rgb + shaft * in.shaft.z,
+        vane * select(in.left_back, in.right_back, right).rgb + shaft * in.shaft.w,
+        vane * front.w,
+        in.shaft,
+    );
+}
+
+// To which of the lights a fragment's light belongs: there are no others than those of the vertices.
+fn light_response(in: FeatherVertex, response: VaneResponse, direction: vec3<f32>) -> vec4<f32> {
+    let first = data::octahedral(vec2(in.left_back.w, in.right_back.w));
+    return select(response.second, response.first, dot(first, direction) > SAME_LIGHT);
+}
+#endif
+
+// What the responses per painted color are multiplied with.
+fn paint_over(albedo: vec3<f32>) -> vec3<f32> { return albedo + LEAST_PAINT; }
+
+// Of one vane at a height on the rachis, `aside` of its reach from the shaft; of the shaft where that is 0.
+fn vane_response(
+    base: u32,
+    right: bool,
+    height: f32,
+    aside: f32,
+    frame: Frame,
+    albedo: vec3<f32>,
+    lights: array<vec3<f32>, VERTEX_LIGHTS>,
+) -> VaneResponse {
+    let front = frame.local_eye.z >= 0.0;
+    let header = feather_at(base + data::SHAPE);
+    let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
+    let shear = rachis_at(base, height).y * header.x;
+    // Averages over the pattern beside the place.
+    var shape = shape_at(slot);
+    let rest = feather_at(slot + 2u);
+    let contour = contour_at(base, header.z, height);
+    let reach = select(contour.x, contour.y, right);
+    shape.vane.hooked = barbule_factor(hooked(aside * reach, height, reach, rest.y, rest.z));
+    let view = frame.local_eye * vec3(select(1.0, -1.0, right), 1.0, 1.0);
+    let seen = storeys(shape, view);
+    let strip = barb_strip(shape, seen);
+    let cell = seen_cell(shape, seen, strip, front);
+    let nowhere = Footprint(vec2(0.0), vec3(0.0));
+    let weights = max(vane_coverage(cell, shape.vane, nowhere, LOD_MEAN, 0.0), vec3(0.0));
+    // The shaft counts for itself.
+    let shares = vec4(select(0.0, 1.0, right && aside < 0.25), weights / max(dot(weights, vec3(1.0)), 1e-6));
+    let open = clamp(strip.x / max(2.0 * seen.silhouette, 1e-9), 0.0, 1.0);
+    let covered = Covered(shares, right, shape.vane.hooked, open, nowhere);
+    let shadowing = shadowing_of(base, height, covered, frame);
+    let kept = kept_place(base, right, frame);
+
+    let fuzz = feather_at(base + data::SHEEN);
+    let sheen = sheen_at(base, sheen_place(abs(frame.local_eye.z)));
+    let tint = sheen_tint(albedo * feather_at(base + data::PARTS + DISTAL).x);
+    let fuzz_albedo = sheen_albedo(sheen, fuzz.x);
+    let base_share = 1.0 - fuzz_albedo * max(max(tint.x, tint.y), tint.z);
+    let under = 1.0 - settings.shelter * (1.0 - smoothstep(0.05, 0.8, height));
+    let up = vec3(0.0, 0.0, select(-1.0, 1.0, front));
+
+    // The three channels, and a black one.
+    let painted = vec4(albedo, 0.0);
+    var lit = array<vec4<f32>, VERTEX_LIGHTS>();
+    var ahead = vec4(fuzz_albedo * tint, 0.0);
+    var beyond = vec4(0.0);
+    var mirrored = 0.0;
+    var caught = array<f32, VERTEX_LIGHTS>();
+    var reaches = array<Reaches, VERTEX_LIGHTS>();
+    for (var i = 0u; i < VERTEX_LIGHTS; i++) {
+        let ray = light_ray(shadowing, lights[i]);
+        caught[i] = caught_light(shadowing, ray);
+        reaches[i] = reaches_of(shadowing, ray);
+        lit[i] = vec4(fuzz.x * tint * sheen_evaluate(sheen, up, frame.local_eye, lights[i]), 0.0);
+    }
+    let angles = feather_at(slot);
+    var shaft = vec4(0.0);
+    for (var part = 0u; part < 4u; part++) {
+        if (shares[part] <= 0.0) {
+            continue;
+        }
+        let about = feather_at(base + data::PARTS + part);
+        let tangent = fibre_tangent(part, angles, right, shear);
+        let meets = settings.multiple_scattering * select(about.z, about.y, front);
+        let eye = in_fibre(tangent, frame.hand, frame.local_eye);
+        let frequency = select(0.0, shadowing.frequency, part == shadowing.lower);
+        let shading = short_part(about.w, eye, header.w);
+        let before = kept_light(kept, part, 0u);
+        let after = kept_light(kept, part, 1u);
+        var clearness = 1.0;
+        var parallel = 0.0;
+        var kept_second = vec2(before.y, after.y);
+        if (shading.structural) {
+            parallel = PARALLEL_MEETINGS;
+            clearness = mix(1.0, clamp(0.5 + 0.5 * shading.azimuth.y, 0.0, 1.0), shading.back.y);
+            kept_second = vec2(before.w, after.w);
+        }
+        let surface = shading.energy.x * vec2(before.x, after.x);
+        let weight = shares[part] * base_share;
+        var lobes = array<short::ShortLobes, VERTEX_LIGHTS>();
+        var arriving = array<FibreReach, VERTEX_LIGHTS>();
+        for (var i = 0u; i < VERTEX_LIGHTS; i++) {
+            lobes[i] = short::short_lobes(shading, in_fibre(tangent, frame.hand, lights[i]));
+            arriving[i] = reach_of(reaches[i], part, shadowing.lower, lobes[i].turn, false);
+        }
+        for (var c = 0u; c < 4u; c++) {
+            let inside = min(painted[c] * about.x, 0.98);
+            let color = short::short_color(shading, single_scattering_albedo(vec3(inside), meets).x, frequency);
+            let second = shading.energy.y * clearness * color.second;
+            let medulla = shading.energy.z * color.scattered;
+            let from_front = second * kept_second.x + medulla * before.w;
+            let from_back = surface.y + second * kept_second.y + medulla * after.w;
+            let again = short::short_again(
+                shading.energy.x + second + medulla, surface.x + from_front + from_back, settings.multiple_scattering, parallel,
+            );
+            let there = vec2(again.y * from_front + 0.5 * again.x, again.y * from_back + 0.5 * again.x);
+            var own = vec2(0.0);
+            for (var i = 0u; i < VERTEX_LIGHTS; i++) {
+                own[i] = again.y * short::short_lit(shading, color, lobes[i], arriving[i]) + again.x * caught[i];
+            }
+            if (part == 0u) {
+                shaft += select(weight, 0.0, c == 3u) * vec4(own, there + vec2(again.y * surface.x, 0.0));
+                continue;
+            }
+            ahead[c] += weight * there.x;
+            beyond[c] += weight * there.y;
+            mirrored += 0.25 * weight * again.y * surface.x;
+            lit[0][c] += weight * own.x;
+            lit[1][c] += weight * own.y;
+        }
+    }
+    let per_paint = 1.0 / (albedo + LEAST_PAINT);
+    return VaneResponse(
+        vec4((lit[0].rgb - lit[0].w) * per_paint, lit[0].w),
+        vec4((lit[1].rgb - lit[1].w) * per_paint, lit[1].w),
+        ahead.rgb * per_paint * under,
+        beyond.rgb * per_paint * under,
+        mirrored * under,
+        shaft * vec4(1.0, 1.0, under, under) / (dot(albedo, vec3(1.0)) + 3.0 * LEAST_PAINT),
+    );
+}
+
+// The vertex with what both vanes make of light there.
+fn light_vertex(placed: FeatherVertex) -> FeatherVertex {
+    var out = placed;
+#ifdef LIT_VERTICES
+    if ((placed.card.w & 7u) != data::CARD_LIT) {
+        return out;
+    }
+    let feather = data::card_feather(placed.card.x);
+    let base = feather_base(feather);
+    let frame = frame_of(placed);
+    var lights = array<vec3<f32>, VERTEX_LIGHTS>();
+    for (var i = 0u; i < VERTEX_LIGHTS; i++) {
+        let there = motion[min(data::MOTION_LIGHTS + i, arrayLength(&motion) - 1u)].xyz;
+        lights[i] = vec3(dot(there, frame.across), dot(there, frame.along), dot(there, frame.normal));
+    }
+    let first = data::octahedral_of(motion[min(data::MOTION_LIGHTS, arrayLength(&motion) - 1u)].xyz);
+    let levels = textureNumLevels(albedo_texture);
+    let layer = 2u * feather + select(1u, 0u, frame.local_eye.z >= 0.0);
+    let texel = textureSampleLevel(albedo_texture, albedo_sampler, placed.uv, layer, f32(max(levels, AROUND) - AROUND));
+    let albedo = mix(texel.rgb, data::card_tint(placed.card.y), texel.a);
+    // Half way to the edge the vane is what it is in most places.
+    let aside = abs(placed.uv.x - 0.5);
+    // Both vanes end at the shaft, one at an edge.
+    for (var i = 0u; i < 2u; i++) {
+        let right = i == 1u;
+        let found = vane_response(base, right, placed.uv.y, aside, frame, albedo, lights);
+        if (right) {
+            out.right_first = found.first;
+            out.right_second = found.second;
+            out.right_front = vec4(found.front, found.sky);
+            out.right_back = vec4(found.back, first.y);
+            out.shaft = found.shaft;
+        } else {
+            out.left_first = found.first;
+            out.left_second = found.second;
+            out.left_front = vec4(found.front, found.sky);
+            out.left_back = vec4(found.back, first.x);
+        }
+    }
+#endif
+    return out;
+}
