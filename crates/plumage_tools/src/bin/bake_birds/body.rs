@@ -8,6 +8,8 @@ use crate::wing::WingPlane;
 
 /// Radius of the hollow in which the folded forearm lies, in the forearm's own.
 const BED: f32 = 1.3;
+/// Over which the swell before the folded hand runs out into the trunk, mm on the macaw.
+const SWELL_BLEND: f32 = 20.0;
 
 /// Parts of the signed distance at one point.
 #[derive(Clone, Copy, Debug)]
@@ -99,6 +101,27 @@ impl<'a> Body<'a> {
         self.forward(wrist, tip)
     }
 
+    /// Distance to the plumage that buries the folded arm: from the wrist up to the shoulder and on along the humerus.
+    pub fn shoulder(&self, p: Vec3) -> Option<f32> {
+        let shoulder = self.species.shoulder?;
+        let radius = shoulder.thickness * self.species.arm[0];
+        let inward = Vec3::X * (shoulder.buried * self.species.arm[0]);
+        let [top, elbow, wrist, ..] = self.folded.map(|point| point - inward);
+        let p = Vec3::new(p.x.abs(), p.y, p.z);
+        let ends = [
+            wrist.lerp(top, shoulder.before),
+            top.lerp(elbow, shoulder.reach),
+        ];
+        let distances = ends.map(|end| cone(p, top, end, [radius, radius]).0);
+        Some(distances[0].min(distances[1]))
+    }
+
+    /// Down across the folded arm, from the line of shoulder and wrist.
+    pub fn below_arm(&self) -> Vec3 {
+        let [shoulder, elbow, wrist, ..] = self.folded;
+        ((elbow - shoulder).normalize() - self.forward(shoulder, wrist)).normalize()
+    }
+
     /// Distances to each part.
     pub fn parts(&self, p: Vec3) -> Parts {
         let p = Vec3::new(p.x.abs(), p.y, p.z);
@@ -153,11 +176,14 @@ impl<'a> Body<'a> {
             cone(p, top, back, [wide, wide]).0,
             8.0 * s,
         );
-        let trunk = smooth_min(parts.trunk.distance, swell, 20.0 * s);
+        let trunk = smooth_min(parts.trunk.distance, swell, SWELL_BLEND * s);
         // Those of the flank lie flat below the folded forearm, which they bed.
         let radius = BED * self.species.arm[1];
         let bed = cone(p, elbow, wrist, [radius; 2]).0;
-        let trunk = -smooth_min(-trunk, bed, radius);
+        let mut trunk = -smooth_min(-trunk, bed, radius);
+        if let (Some(distance), Some(shoulder)) = (self.shoulder(p), self.species.shoulder) {
+            trunk = smooth_min(trunk, distance, shoulder.blend * s);
+        }
         let mut d = smooth_min(trunk, parts.head.distance, 1.15 * k);
         if let Some(brow) = self.species.brow {
             let eye = self.species.joint("eye_L");

@@ -171,6 +171,10 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
         | Tract::LesserUnder
         | Tract::MarginalUnder
         | Tract::CovertUnder => d = wing_lay(species, body, tract, p),
+        Tract::Shoulder => {
+            d = body.below_arm();
+            d.x *= side;
+        }
         Tract::Breast => {
             // At its sides the breast closes over the front edge of the folded wing.
             let reach = 45.0 * species.scale;

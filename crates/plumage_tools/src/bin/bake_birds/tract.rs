@@ -47,10 +47,15 @@ pub enum Tract {
     Disc = 29,
     /// Rim of the facial disc.
     Ruff = 30,
+    /// Over the folded arm.
+    Shoulder = 31,
 }
 
 /// Where the breast begins before the front edge of the folded wing, mm on the macaw: feathers rooted nearer lie below the wing.
 const LAP: f32 = 11.0;
+
+/// How far from the plumage over the folded arm the skin still belongs to it, in radii of the humerus.
+const OVER_ARM: f32 = 1.1;
 
 /// Tract at a point of the skin.
 pub fn classify(body: &Body, p: Vec3) -> Tract {
@@ -115,6 +120,15 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     let (arc, theta) = (parts.trunk.arc, parts.trunk.angle);
     let [tail, rump, back, mantle] = arcs.dorsal;
     let [vent, belly] = arcs.ventral;
+    // Beside the back stand the scapulars.
+    let beside = theta > 62.0 || arc > arcs.scapulars;
+    if beside
+        && body
+            .shoulder(q)
+            .is_some_and(|distance| distance < OVER_ARM * s.arm[0])
+    {
+        return Tract::Shoulder;
+    }
     if arc >= mantle {
         return if theta < arcs.neck {
             Tract::NeckDorsal
@@ -325,6 +339,9 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         Tract::Flank => arc(belly, tail),
         Tract::Side => arc(mantle, side(body)),
         Tract::TailUpper | Tract::TailUnder => arc(tail, -0.6 * tail),
+        Tract::Shoulder => body
+            .shoulder(q)
+            .map_or(0.0, |d| 1.0 - d / (OVER_ARM * s.arm[0])),
         Tract::Femoral => {
             let low = s.joint("tibia_L").y - s.legs[0][1];
             (arcs.leg_top - q.y) / (arcs.leg_top - low)

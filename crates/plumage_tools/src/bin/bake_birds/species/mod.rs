@@ -61,6 +61,21 @@ impl WingPose {
     }
 }
 
+/// The body's plumage over the folded arm, in radii of the humerus: folded wings lie in the coat and not on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Shoulder {
+    /// Radius of the plumage.
+    pub thickness: f32,
+    /// How far its axis lies inwards of the bone's.
+    pub buried: f32,
+    /// Share of the way from the wrist to the shoulder at which it begins.
+    pub before: f32,
+    /// Share of the humerus that it covers.
+    pub reach: f32,
+    /// Over which it runs out into the trunk, mm on the macaw.
+    pub blend: f32,
+}
+
 /// Everything that makes one bird.
 #[derive(Clone, Debug)]
 pub struct Species {
@@ -135,6 +150,8 @@ pub struct Species {
     pub swell_scale: f32,
     /// Distance over which the skin of the shoulder changes from chest to wing, mm.
     pub shoulder_reach: f32,
+    /// Plumage over the folded arm.
+    pub shoulder: Option<Shoulder>,
     /// Ridge above the eye.
     pub brow: Option<Brow>,
     /// The bill.
