@@ -1,6 +1,7 @@
 //! What can be measured of a picture of a bird: outline, specks, proportions, colors, contrast by scale, highlights, light.
 //!
-//! Bounds and their sources are those of photographs of a golden eagle, a scarlet and a green-winged macaw.
+//! Bounds and their sources are those of photographs of a golden eagle, a scarlet and a green-winged macaw. Of a barn owl none was
+//! measured: it is judged by what holds for any bird.
 
 use std::collections::VecDeque;
 
@@ -18,6 +19,8 @@ pub enum Species {
     Macaw,
     /// Golden eagle.
     Eagle,
+    /// Barn owl.
+    Owl,
 }
 
 /// From where it is seen.
@@ -253,7 +256,7 @@ impl Subject {
                 wanted,
             });
         };
-        let macaw = species == Species::Macaw;
+        let (macaw, eagle) = (species == Species::Macaw, species == Species::Eagle);
         let body = self.body();
         let edges = self.extent(&body);
         let count = self.mask.iter().filter(|m| **m).count().max(1) as f32;
@@ -281,7 +284,7 @@ impl Subject {
                 (3.0, 12.0),
             );
         }
-        if view == View::Back {
+        if view == View::Back && (macaw || eagle) {
             let wanted = if macaw { (0.22, 0.26) } else { (0.38, 0.45) };
             line(
                 4,
@@ -297,7 +300,7 @@ impl Subject {
             let least = if macaw { 45.0 } else { 35.0 };
             line(4, "mean of the back, of 255", mean, (least, 255.0));
         }
-        if !macaw && view == View::Front {
+        if eagle && view == View::Front {
             line(
                 5,
                 "width over height",
@@ -310,7 +313,7 @@ impl Subject {
             median(breast.iter().map(|i| part(self.pixels[*i])).collect())
         };
         let saturation = of(&|p| hsv(p)[1]);
-        if view != View::Back {
+        if view != View::Back && (macaw || eagle) {
             // Hues around red: 0 lies in the middle.
             let hue = of(&|p| (hsv(p)[0] + 180.0).rem_euclid(360.0) - 180.0);
             if macaw {
@@ -340,7 +343,7 @@ impl Subject {
             (270.0..345.0).contains(&h) && s > 0.25 && v > 0.15
         };
         line(6, "mauve, % of the bird", share(&mauve), (0.0, 0.2));
-        if view == View::Front {
+        if view == View::Front && (macaw || eagle) {
             let wanted = if macaw {
                 [0.040, 0.039, 0.046, 0.053]
             } else {

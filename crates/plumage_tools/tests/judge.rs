@@ -76,4 +76,10 @@ fn contrast_is_found_at_its_own_scale() {
         let strongest = (0..4).max_by(|a, b| found[*a].total_cmp(&found[*b]));
         assert_eq!(strongest, Some(octave), "{period}: {found:?}");
     }
+    // Of an owl only what holds for any bird.
+    let (white, cards) = bird([225, 214, 196]);
+    let lines = found(&white, &cards, Species::Owl, View::Front);
+    let numbers: Vec<u32> = lines.iter().map(|line| line.number).collect();
+    assert_eq!(numbers, [1, 2, 6, 9], "{lines:?}");
+    assert!(lines.iter().all(Line::passes), "{lines:?}");
 }

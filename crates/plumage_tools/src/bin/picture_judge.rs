@@ -1,7 +1,7 @@
 //! Judges a picture of a bird against photographs: outline, specks, wing, proportions, colors, contrast, highlights, clipping.
 //!
 //! `cargo run -p plumage_tools --bin picture_judge -- parrot front picture.png cards.png`: `cards.png` is the same picture with
-//! `--view card` (and the same `--accumulate`), which says where the bird is.
+//! `--view card` (and the same `--accumulate`), which says where the bird is. Prints one row of a table for each line of the list.
 
 use clap::{Parser, ValueEnum};
 use plumage_tools::judge::{Species, Subject, View};
@@ -11,6 +11,7 @@ use std::{error::Error, path::PathBuf, process::ExitCode};
 enum Bird {
     Parrot,
     Eagle,
+    Owl,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -46,6 +47,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let species = match args.bird {
         Bird::Parrot => Species::Macaw,
         Bird::Eagle => Species::Eagle,
+        Bird::Owl => Species::Owl,
     };
     let view = match args.view {
         SeenFrom::Front => View::Front,
@@ -53,12 +55,17 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         SeenFrom::Back => View::Back,
     };
     let lines = Subject::new(picture.as_raw(), cards.as_raw(), width).judge(species, view);
-    println!("| line | what | found | wanted | |\n|---|---|---|---|---|");
+    let name = args.picture.file_stem().unwrap_or_default();
     for line in &lines {
         let verdict = if line.passes() { "pass" } else { "fail" };
         println!(
-            "| {} | {} | {:.3} | {:.3} to {:.3} | {verdict} |",
-            line.number, line.what, line.found, line.wanted.0, line.wanted.1
+            "| {} | {} | {} | {:.3} | {:.3} to {:.3} | {verdict} |",
+            name.display(),
+            line.number,
+            line.what,
+            line.found,
+            line.wanted.0,
+            line.wanted.1
         );
     }
     Ok(if lines.iter().all(|line| line.passes()) {

@@ -276,6 +276,7 @@ const TRACTS: &[TractRow] = &[
     row("rump", &[Rump], "blue", 80, 8, (28., 42.), (18., 24.), (8., 8.), (0.08, 6.), (0.25, 320., CONTOUR), (0x5DA9DC, 0x5DA9DC)),
     row("scapulars", &[ScapularMantle], "contour", 90, 5, (48., 86.), (24., 30.), (9., 7.), (0.05, 8.), (0.25, 1200., (5, 2)), (0xC8361D, 0xC4361C)),
     row("shoulder", &[Shoulder], "contour", 180, 0, (25., 36.), (16., 20.), (6., 5.), (0.06, 14.), (0.25, 1350., CONTOUR), (0xC8361D, 0xC6351C)),
+    row("shoulder_side", &[Shoulder], "contour", 80, 0, (26., 32.), (18., 22.), (2., 2.), (0.06, 12.), (0., 620., CONTOUR), (0xC6341C, 0xC6341C)),
     row("breast", &[Breast], "contour", 125, 12, (30., 42.), (20., 25.), (10., 6.), (0.05, 18.), (0.25, 1500., CONTOUR), (0xCC361D, 0xCC361D)),
     row("belly", &[Belly], "soft", 90, 0, (32., 46.), (20., 26.), (7., 5.), (0.05, 22.), (0.05, 660., CONTOUR), (0xC0301B, 0xC0301B)),
     row("flanks", &[Flank], "soft", 170, 0, (32., 46.), (18., 24.), (4., 3.), (0.05, 22.), (0.05, 640., CONTOUR), (0xC0301B, 0xC0301B)),
