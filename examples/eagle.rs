@@ -1,4 +1,4 @@
-//! A golden eagle, about 6,520 feathers.
+//! A golden eagle, about 6,480 feathers.
 //!
 //! `cargo run --example eagle -- --camera back`; `--help` lists all options, F1 the keys. Its model is in the repository alone, not
 //! in the package of the registry.
