@@ -346,7 +346,7 @@ pub fn report(species: &Species, model: &Model, groom: &Groom) {
 
 /// Whether down grows below the feathers of a tract: not on the face, the wings and the feet.
 fn is_downy(name: &str) -> bool {
-    const BARE: [&str; 14] = [
+    const BARE: [&str; 15] = [
         "disc",
         "eye_rays",
         "ruff",
@@ -355,6 +355,7 @@ fn is_downy(name: &str) -> bool {
         "face",
         "scapulars",
         "shoulder",
+        "shoulder_side",
         "lesser_upper",
         "elbow",
         "marginal_upper",
