@@ -14,6 +14,7 @@ use bevy::{
     render::view::ColorGrading,
     world_serialization::{WorldAssetRoot, WorldInstanceReady},
 };
+use bevy_plumage::DebugView;
 use std::f32::consts::FRAC_PI_2;
 
 /// Sun, sky, and the animation of the birds.
@@ -24,7 +25,8 @@ impl Plugin for ScenePlugin {
         app.add_systems(Startup, spawn_lights)
             .add_systems(PostUpdate, fit_shadows)
             .add_observer(grow_perch)
-            .add_observer(start_idle);
+            .add_observer(start_idle)
+            .add_observer(mark_bodies);
     }
 }
 
@@ -220,3 +222,27 @@ fn start_idle(
         };
     }
 }
+
+/// In the view by card numbers, bill, eyes, feet and bare skin are magenta: what is neither they nor feathers is not the bird.
+fn mark_bodies(
+    ready: On<WorldInstanceReady>,
+    args: Res<Args>,
+    birds: Query<(), With<Idle>>,
+    children: Query<&Children>,
+    bodies: Query<&MeshMaterial3d<StandardMaterial>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
+    if args.view != DebugView::Card || !birds.contains(ready.entity) {
+        return;
+    }
+    for body in bodies.iter_many(children.iter_descendants(ready.entity)) {
+        if let Some(mut material) = materials.get_mut(&body.0) {
+            material.base_color = MARK;
+            material.base_color_texture = None;
+            material.unlit = true;
+        }
+    }
+}
+
+/// Outshines the dark skin below feathers, whose vertices carry colors.
+const MARK: Color = Color::linear_rgb(20.0, 0.0, 20.0);

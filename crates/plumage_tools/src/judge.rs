@@ -96,7 +96,7 @@ fn median(mut values: Vec<f32>) -> f32 {
 }
 
 impl Subject {
-    /// Of bytes RGB. The bird is what a view by card numbers, of the same camera, colors otherwise than `picture`.
+    /// Of bytes RGB. The bird is what a view by card numbers (bill and skin marked), of the same camera, colors otherwise than `picture`.
     pub fn new(picture: &[u8], cards: &[u8], width: usize) -> Self {
         let shown = |bytes: &[u8]| -> Vec<[f32; 3]> {
             let pixels = bytes.chunks_exact(3);
@@ -212,20 +212,50 @@ impl Subject {
         .collect()
     }
 
-    /// Width of the widest row but a hundredth over the height of the body.
-    fn slenderness(&self, body: &[bool], edges: [usize; 4]) -> f32 {
-        let mut widths: Vec<usize> = (edges[1]..edges[3])
-            .map(|y| {
-                let row = &body[y * self.width..(y + 1) * self.width];
-                let first = row.iter().position(|b| *b);
-                let last = row.iter().rposition(|b| *b);
-                first.zip(last).map_or(0, |(a, b)| b + 1 - a)
-            })
+    /// Each bird of the picture: columns of the body that empty ones part from the rest, where they are at least a twentieth of the
+    /// picture wide.
+    fn birds(&self, body: &[bool]) -> Vec<std::ops::Range<usize>> {
+        let shows: Vec<bool> = (0..self.width)
+            .map(|x| body.iter().skip(x).step_by(self.width).any(|b| *b))
             .collect();
-        widths.sort_unstable();
-        let rank = widths.len().saturating_sub(1 + widths.len() / 100);
-        let widest = widths.get(rank).copied().unwrap_or(0);
-        widest as f32 / (edges[3].saturating_sub(edges[1])).max(1) as f32
+        let mut birds = Vec::new();
+        let mut start = None;
+        for x in 0..=self.width {
+            match (start, shows.get(x).copied().unwrap_or(false)) {
+                (None, true) => start = Some(x),
+                (Some(first), false) => {
+                    if 20 * (x - first) >= self.width {
+                        birds.push(first..x);
+                    }
+                    start = None;
+                }
+                _ => {}
+            }
+        }
+        birds
+    }
+
+    /// Width of the widest row but a hundredth over the height of a bird; of several, that of the slimmest, which is seen least from
+    /// the side.
+    fn slenderness(&self, body: &[bool]) -> f32 {
+        let of = |columns: std::ops::Range<usize>| {
+            let mut widths: Vec<usize> = (0..body.len() / self.width)
+                .map(|y| {
+                    let row = &body[y * self.width..(y + 1) * self.width][columns.clone()];
+                    let first = row.iter().position(|b| *b);
+                    let last = row.iter().rposition(|b| *b);
+                    first.zip(last).map_or(0, |(a, b)| b + 1 - a)
+                })
+                .collect();
+            let top = widths.iter().position(|w| *w > 0).unwrap_or(0);
+            let low = widths.iter().rposition(|w| *w > 0).unwrap_or(0);
+            widths.sort_unstable();
+            let rank = widths.len().saturating_sub(1 + widths.len() / 100);
+            let widest = widths.get(rank).copied().unwrap_or(0);
+            widest as f32 / (low + 1 - top) as f32
+        };
+        let all = self.birds(body).into_iter().map(of);
+        all.fold(f32::MAX, f32::min)
     }
 
     /// Contrast of the red channel in four octaves of scale around the pixels: the difference of two Gaussians over the mean.
@@ -286,12 +316,7 @@ impl Subject {
         }
         if view == View::Back && (macaw || eagle) {
             let wanted = if macaw { (0.22, 0.26) } else { (0.38, 0.45) };
-            line(
-                4,
-                "width over height",
-                self.slenderness(&body, edges),
-                wanted,
-            );
+            line(4, "width over height", self.slenderness(&body), wanted);
             let light: Vec<f32> = (0..body.len())
                 .filter(|i| body[*i])
                 .map(|i| 255.0 * self.luminance(i))
@@ -304,7 +329,7 @@ impl Subject {
             line(
                 5,
                 "width over height",
-                self.slenderness(&body, edges),
+                self.slenderness(&body),
                 (0.45, 0.55),
             );
         }

@@ -83,3 +83,21 @@ fn contrast_is_found_at_its_own_scale() {
     assert_eq!(numbers, [1, 2, 6, 9], "{lines:?}");
     assert!(lines.iter().all(Line::passes), "{lines:?}");
 }
+
+#[test]
+fn two_birds_are_measured_apart() {
+    let (single, cards) = bird([205, 52, 36]);
+    let beside = |bytes: &[u8]| -> Vec<u8> {
+        let rows = bytes.chunks_exact(3 * WIDTH);
+        rows.flat_map(|row| [row, row].concat()).collect()
+    };
+    let width = |lines: Vec<Line>| {
+        let line = lines
+            .into_iter()
+            .find(|line| line.what == "width over height");
+        line.map(|line| line.found)
+    };
+    let one = width(found(&single, &cards, Species::Macaw, View::Back));
+    let pair = Subject::new(&beside(&single), &beside(&cards), 2 * WIDTH);
+    assert_eq!(width(pair.judge(Species::Macaw, View::Back)), one);
+}

@@ -101,8 +101,8 @@ fn main() {
             println!("{state:?}");
             break;
         }
-        if begun.elapsed() > Duration::from_secs(60) {
-            eprintln!("no plumage after a minute");
+        if begun.elapsed() > Duration::from_secs(180) {
+            eprintln!("no plumage after three minutes");
             std::process::exit(1);
         }
     }

@@ -89,7 +89,7 @@ pub(super) fn all() -> Vec<Template> {
         micro: HEAD,
         fringe: 0.22,
         gaps: gaps(3, 0.012, 0.3, 11),
-        albedo: both(body(0.55, DOWN, GOLD, 0xC9241B)),
+        albedo: both(body(0.45, DOWN, GOLD, 0xC9241B)),
         structural: false,
     };
     let contour = Template {
@@ -102,7 +102,7 @@ pub(super) fn all() -> Vec<Template> {
         right: ROUND,
         fringe: 0.08,
         gaps: gaps(3, 0.009, 0.4, 13),
-        albedo: both(body(0.5, DOWN, GOLD, SCARLET)),
+        albedo: both(body(0.4, DOWN, GOLD, SCARLET)),
         ..head.clone()
     };
     let primary = Template {
@@ -162,7 +162,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.35,
             gaps: gaps(6, 0.012, 0.45, 15),
-            albedo: both(body(0.58, DOWN, GOLD, 0xB8221A)),
+            albedo: both(body(0.46, DOWN, GOLD, 0xB8221A)),
             ..contour.clone()
         },
         Template {
@@ -214,7 +214,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: lesser_micro,
             fringe: 0.03,
             gaps: gaps(2, 0.008, 0.3, 18),
-            albedo: both(body(0.45, DOWN, GOLD, SCARLET)),
+            albedo: both(body(0.36, DOWN, GOLD, SCARLET)),
             ..contour.clone()
         },
         Template {
@@ -317,7 +317,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.4,
             gaps: gaps(7, 0.014, 0.45, 23),
-            albedo: both(body(0.55, DOWN, GOLD, 0xB8221A)),
+            albedo: both(body(0.45, DOWN, GOLD, 0xB8221A)),
             ..contour
         },
     ]

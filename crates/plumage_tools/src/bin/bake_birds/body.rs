@@ -8,6 +8,8 @@ use crate::wing::WingPlane;
 
 /// Radius of the hollow in which the folded forearm lies, in the forearm's own.
 const BED: f32 = 1.3;
+/// Radius at the wrist of the plumage that buries the folded arm, in that at the shoulder.
+const FRONT: f32 = 0.7;
 /// Over which the swell before the folded hand runs out into the trunk, mm on the macaw.
 const SWELL_BLEND: f32 = 20.0;
 
@@ -101,25 +103,19 @@ impl<'a> Body<'a> {
         self.forward(wrist, tip)
     }
 
-    /// Distance to the plumage that buries the folded arm: from the wrist up to the shoulder and on along the humerus.
-    pub fn shoulder(&self, p: Vec3) -> Option<f32> {
+    /// Distances to the plumage that buries the folded arm: along the humerus, and from the shoulder down to the wrist.
+    pub fn shoulder(&self, p: Vec3) -> Option<[f32; 2]> {
         let shoulder = self.species.shoulder?;
         let radius = shoulder.thickness * self.species.arm[0];
         let inward = Vec3::X * (shoulder.buried * self.species.arm[0]);
         let [top, elbow, wrist, ..] = self.folded.map(|point| point - inward);
         let p = Vec3::new(p.x.abs(), p.y, p.z);
+        // Thinner towards the wrist, which breast and flank cover.
         let ends = [
-            wrist.lerp(top, shoulder.before),
-            top.lerp(elbow, shoulder.reach),
+            (top.lerp(elbow, shoulder.reach), radius),
+            (wrist.lerp(top, shoulder.before), FRONT * radius),
         ];
-        let distances = ends.map(|end| cone(p, top, end, [radius, radius]).0);
-        Some(distances[0].min(distances[1]))
-    }
-
-    /// Down across the folded arm, from the line of shoulder and wrist.
-    pub fn below_arm(&self) -> Vec3 {
-        let [shoulder, elbow, wrist, ..] = self.folded;
-        ((elbow - shoulder).normalize() - self.forward(shoulder, wrist)).normalize()
+        Some(ends.map(|(end, narrow)| cone(p, top, end, [radius, narrow]).0))
     }
 
     /// Distances to each part.
@@ -181,8 +177,8 @@ impl<'a> Body<'a> {
         let radius = BED * self.species.arm[1];
         let bed = cone(p, elbow, wrist, [radius; 2]).0;
         let mut trunk = -smooth_min(-trunk, bed, radius);
-        if let (Some(distance), Some(shoulder)) = (self.shoulder(p), self.species.shoulder) {
-            trunk = smooth_min(trunk, distance, shoulder.blend * s);
+        if let (Some([arm, front]), Some(shoulder)) = (self.shoulder(p), self.species.shoulder) {
+            trunk = smooth_min(trunk, arm.min(front), shoulder.blend * s);
         }
         let mut d = smooth_min(trunk, parts.head.distance, 1.15 * k);
         if let Some(brow) = self.species.brow {

@@ -61,13 +61,12 @@ pub fn set_wings(species: &Species, skeleton: &Skeleton, pose: &mut Pose, wings:
             parent = reflect(global);
         }
         pose.offset[skeleton.index(&format!("scap_{side}"))] = flip(plane.normal * wing.push);
-        // The helper joint stays on the midline between shoulder and wrist, so that the patagium folds instead of tearing.
-        let middle = 0.5 * (plane.points[0] + plane.points[2]) - plane.points[0];
-        let rest = 0.5 * (bind.points[0] + bind.points[2]) - bind.points[0];
+        // The helper joint of the patagium goes with the shoulder and turns with the wing's plane, whatever the bones do in it.
         let j = skeleton.index(&format!("propat_{side}"));
-        pose.offset[j] = flip(rotations[0].inverse() * middle - rest);
-        let half = rotations[0].slerp(rotations[1], 0.5);
-        pose.rotation[j] = reflect((rotations[0].inverse() * half).normalize());
+        let from_shoulder = skeleton.offset(j);
+        let turned = rotations[0].inverse() * plane.frame(&bind);
+        pose.offset[j] = reflect(turned) * from_shoulder - from_shoulder;
+        pose.rotation[j] = reflect(turned);
     }
 }
 

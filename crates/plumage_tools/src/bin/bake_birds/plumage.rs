@@ -171,10 +171,6 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
         | Tract::LesserUnder
         | Tract::MarginalUnder
         | Tract::CovertUnder => d = wing_lay(species, body, tract, p),
-        Tract::Shoulder => {
-            d = body.below_arm();
-            d.x *= side;
-        }
         Tract::Breast => {
             // At its sides the breast closes over the front edge of the folded wing.
             let reach = 45.0 * species.scale;
@@ -186,7 +182,7 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
             // Scapulars fan out over the folded wing.
             d.x += side
                 * match tract {
-                    Tract::ScapularMantle => 0.30,
+                    Tract::ScapularMantle | Tract::Shoulder => 0.30,
                     _ if trunk.angle < 60.0 || trunk.angle > 120.0 => 0.18,
                     _ => 0.0,
                 };

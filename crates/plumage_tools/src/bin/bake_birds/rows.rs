@@ -103,6 +103,11 @@ impl<'a> Builder<'a> {
             "greater_coverts" => Span(810., 825.),
             "median_primary" => Span(909., 900.),
             "median_secondary" => Span(910., 925.),
+            "lesser_1" => Span(930., 945.),
+            "lesser_2" => Span(950., 965.),
+            "lesser_3" => Span(970., 985.),
+            "lesser_4" => Span(990., 1005.),
+            "lesser_5" => Span(1010., 1025.),
             "under_primary" | "under_secondary" => Span(800., 820.),
             "axillaries" => Span(950., 960.),
             _ => Span(900., 920.),
@@ -225,6 +230,28 @@ impl<'a> Builder<'a> {
                     self.tilt(direction, 2.0 * side) * side,
                     ride,
                     follow,
+                )
+            }
+            // Rows that spread from the wrist over the patagium, the first along the ulna, the last next to the leading edge.
+            "lesser_1" | "lesser_2" | "lesser_3" | "lesser_4" | "lesser_5" => {
+                let number = name.trim_start_matches("lesser_").parse().unwrap_or(1.0);
+                let (across, along) = ((number - 0.8) / 5.0, 0.06 + 0.92 * t);
+                let [shoulder, elbow, wrist, ..] = self.bind.points;
+                let at_shoulder = across * along;
+                let point =
+                    shoulder * at_shoulder + elbow * (along - at_shoulder) + wrist * (1.0 - along);
+                let direction = self
+                    .bind
+                    .direction(self.bind.secondary(t, self.species).0 - 4.0);
+                (
+                    self.on_skin(point, 1.0),
+                    direction,
+                    self.tilt(direction, 2.0),
+                    vec![
+                        joint("propat_L", at_shoulder),
+                        joint("ulna_L", 1.0 - at_shoulder),
+                    ],
+                    self.secondary_follow(t),
                 )
             }
             "axillaries" => {

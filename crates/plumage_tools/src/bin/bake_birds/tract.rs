@@ -47,7 +47,7 @@ pub enum Tract {
     Disc = 29,
     /// Rim of the facial disc.
     Ruff = 30,
-    /// Over the folded arm.
+    /// Over the folded humerus.
     Shoulder = 31,
 }
 
@@ -125,12 +125,18 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     if beside
         && body
             .shoulder(q)
-            .is_some_and(|distance| distance < OVER_ARM * s.arm[0])
+            .is_some_and(|[arm, front]| arm < (OVER_ARM * s.arm[0]).min(front))
     {
         return Tract::Shoulder;
     }
     if arc >= mantle {
-        return if theta < arcs.neck {
+        // The plumage before the folded wing is no hind neck, as high up as it may lie.
+        let before = body
+            .shoulder(q)
+            .is_some_and(|[_, front]| front < OVER_ARM * s.arm[0]);
+        return if theta < arcs.neck && before {
+            Tract::Mantle
+        } else if theta < arcs.neck {
             Tract::NeckDorsal
         } else {
             Tract::NeckVentral
@@ -330,7 +336,7 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
             1.0 - low.min(behind)
         }
         Tract::NeckDorsal | Tract::NeckVentral => arc(neck_end, mantle),
-        Tract::Mantle | Tract::ScapularMantle => arc(mantle, back),
+        Tract::Mantle | Tract::ScapularMantle | Tract::Shoulder => arc(mantle, back),
         Tract::Back => arc(back, rump),
         Tract::Rump => arc(rump, tail),
         Tract::Breast => arc(mantle, belly),
@@ -339,9 +345,6 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         Tract::Flank => arc(belly, tail),
         Tract::Side => arc(mantle, side(body)),
         Tract::TailUpper | Tract::TailUnder => arc(tail, -0.6 * tail),
-        Tract::Shoulder => body
-            .shoulder(q)
-            .map_or(0.0, |d| 1.0 - d / (OVER_ARM * s.arm[0])),
         Tract::Femoral => {
             let low = s.joint("tibia_L").y - s.legs[0][1];
             (arcs.leg_top - q.y) / (arcs.leg_top - low)

@@ -243,7 +243,8 @@ fn wing(
         let v = (1.0 - (d - radii[i]).max(0.0) / (1.2 * radii[i] + 6.0)).max(0.0);
         own[side.wing[i]] += v * v;
     }
-    // The patagium stretches between three bones; a helper joint on its leading edge carries part of it.
+    // The patagium is a sheet between shoulder, elbow and wrist that stays flat while it folds. The ulna hardly turns within the
+    // wing's plane; the helper joint at the shoulder does not turn in it at all.
     let flat = body.wing.flat(q);
     let [fs, fe, fw] = [shoulder, elbow, wrist].map(|p| body.wing.flat(p));
     let area = (fe - fs).perp_dot(fw - fs);
@@ -251,15 +252,9 @@ fn wing(
     let c = (fe - fs).perp_dot(flat - fs) / area;
     let inside = smoothstep(0.0, 0.12, (1.0 - b - c).min(b).min(c) + 0.06);
     let sheet = inside * (1.0 - (own[side.wing[0]] + own[side.wing[1]]).min(1.0));
-    let (a, b, c) = (
-        (1.0 - b - c).clamp(0.0, 1.0),
-        b.clamp(0.0, 1.0),
-        c.clamp(0.0, 1.0),
-    );
-    let total = (a + b + c).max(1e-3);
-    own[side.wing[0]] += sheet * 0.7 * (a + 0.5 * b) / total;
-    own[side.wing[1]] += sheet * 0.7 * (c + 0.5 * b) / total;
-    own[side.propat] += sheet * 0.3;
+    let at_shoulder = (1.0 - b - c).clamp(0.0, 1.0);
+    own[side.propat] += sheet * at_shoulder;
+    own[side.wing[1]] += sheet * (1.0 - at_shoulder);
     // The strip behind the ulna holds the roots of the secondaries and goes with that bone.
     let [e, r] = body.wing.strip.map(|p| body.wing.flat(p));
     let along = ((flat - fe).dot(fw - fe) / (fw - fe).length_squared()).clamp(-1.0, 2.0);

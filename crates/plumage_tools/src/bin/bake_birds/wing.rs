@@ -130,9 +130,14 @@ impl WingPlane {
             * Quat::from_axis_angle(bind.normal, (azimuth - rest).to_radians())
     }
 
+    /// Rotation of the plane since bind pose, whatever its bones do in it.
+    pub fn frame(&self, bind: &Self) -> Quat {
+        turned(bind.tailward, self.pose.roll, self.pose.toe)
+    }
+
     /// Global rotations since bind of humerus, ulna and hand.
     pub fn rotations(&self, bind: &Self) -> [Quat; 3] {
-        let frame = turned(bind.tailward, self.pose.roll, self.pose.toe);
+        let frame = self.frame(bind);
         let dip = Quat::from_axis_angle(
             bind.direction(bind.azimuths[2] + 90.0),
             self.pose.tuck.to_radians(),
