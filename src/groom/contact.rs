@@ -18,7 +18,7 @@ const ACROSS: [[f32; 3]; 2] = [[-0.9, 0.0, 0.9], [-0.75, 0.0, 0.75]];
 /// The same at the tip.
 const ACROSS_TIP: [f32; 3] = [-0.6, 0.0, 0.6];
 /// Clear height between two feathers, in widths of the narrower.
-const GAP: f32 = 0.02;
+pub const GAP: f32 = 0.02;
 /// Deepest crossing that is looked for, in widths of the narrower.
 const REACH: f32 = 0.3;
 /// Cosine between the normals of two feathers that cover each other, at least.
@@ -59,7 +59,7 @@ pub fn raise(spot: &Spot, heights: &[f32]) -> f32 {
 }
 
 /// Half the width of the blade at share `v`, in half widths of the card: a rounded feather.
-fn blade(v: f32) -> f32 {
+pub fn blade(v: f32) -> f32 {
     let end = ((v - 0.62) / 0.38).max(0.0);
     (0.25 + 2.5 * v).min(1.0) * (1.0 - end * end).max(0.0).sqrt()
 }
@@ -70,10 +70,15 @@ impl Block {
     }
 
     /// The corners of the two triangles of a quad.
-    fn triangles(&self, i: usize, j: usize) -> [[u32; 3]; 2] {
+    pub fn triangles(&self, i: usize, j: usize) -> [[u32; 3]; 2] {
         let (a, b) = (self.vertex(i, j), self.vertex(i, j + 1));
         let (c, d) = (self.vertex(i + 1, j + 1), self.vertex(i + 1, j));
         [[a, b, c], [a, c, d]]
+    }
+
+    /// Rows and columns of the first vertices of all quads.
+    pub fn quads(&self) -> impl Iterator<Item = (usize, usize)> {
+        quads(self, 0..self.rows - 1)
     }
 
     /// The triangle of the mesh at shares across (-1..1) and along (0..1).
@@ -114,12 +119,35 @@ struct Sample {
     spot: Spot,
 }
 
-/// How a whole feather stands.
+/// How a whole feather stands: root, and normal in the middle.
 struct Stand {
     root: Vec3,
     normal: Vec3,
-    /// Middle and normal in bind pose.
-    rest: (Vec3, Vec3),
+}
+
+/// How all feathers stand.
+pub struct Stands(Vec<Stand>);
+
+impl Stands {
+    /// Of leaves whose vertices are at these points.
+    pub fn new(carried: &Carried, points: &[Vec3]) -> Self {
+        let stand = |block: &Block| {
+            let middle = block.first + block.rows / 2 * block.wide + block.wide / 2;
+            Stand {
+                root: points[block.first + block.wide / 2],
+                normal: carried.normals[middle],
+            }
+        };
+        Self(carried.blocks.iter().map(stand).collect())
+    }
+
+    /// Whether two feathers that face the same way can cover each other: rooted within a length and a width.
+    pub fn related(&self, leaves: &[Leaf], a: u32, b: u32) -> bool {
+        let [x, y] = [a, b].map(|i| &leaves[i as usize].card);
+        let [s, t] = [a, b].map(|i| &self.0[i as usize]);
+        let reach = x.length.max(y.length) + x.width.max(y.width);
+        s.normal.dot(t.normal) > 0.0 && s.root.distance_squared(t.root) < reach * reach
+    }
 }
 
 /// A triangle of a feather.
@@ -155,7 +183,7 @@ pub struct Finder<'a> {
     facets: Vec<[Facet; 2]>,
     heights: &'a [f32],
     samples: Vec<Sample>,
-    stands: Vec<Stand>,
+    stands: Stands,
     median: f32,
 }
 
@@ -173,15 +201,7 @@ impl<'a> Finder<'a> {
         let blocks = &carried.blocks;
         let points = carried.raised(heights);
         let mut samples = Vec::with_capacity(blocks.len() * ALONG.len() * 3);
-        let mut stands = Vec::with_capacity(blocks.len());
-        for (block, leaf) in blocks.iter().zip(leaves) {
-            let middle = block.rows / 2;
-            stands.push(Stand {
-                root: points[block.first + block.wide / 2],
-                normal: carried.normals[block.first + middle * block.wide + block.wide / 2],
-                rest: (leaf.shaft.points[middle], leaf.shaft.normals[middle]),
-            });
-        }
+        let stands = Stands::new(carried, &points);
         // From the lowest up: what is raised off the skin raises all that lies over it in one round of the projection.
         let mut rising: Vec<usize> = (0..leaves.len()).collect();
         rising.sort_by(|&a, &b| {
@@ -238,11 +258,11 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// All contacts, in order of the samples.
-    pub fn find(&self) -> Vec<Contact> {
-        let seen = self.samples.iter();
-        let seen = seen.map(|sample| (sample.seen.place, sample.seen));
-        let around = &Columns::new(seen, COLUMN * self.median);
+    /// Contacts, in order of the samples: those whose upper is seen (`seen`: which vertices are), and all back to back.
+    pub fn find(&self, seen: &[bool]) -> Vec<Contact> {
+        let places = self.samples.iter();
+        let places = places.map(|sample| (sample.seen.place, sample.seen));
+        let around = &Columns::new(places, COLUMN * self.median);
         let pool = ComputeTaskPool::get_or_init(TaskPool::default);
         let parts = pool.scope(|scope| {
             for (number, chunk) in self.samples.chunks(CHUNK).enumerate() {
@@ -256,7 +276,7 @@ impl<'a> Finder<'a> {
                         behind.clear();
                         let mark = (number * CHUNK + i) as u32;
                         self.look(sample, around, mark, &mut slots, [&mut near, &mut behind]);
-                        self.touch(sample, &near, &mut contacts);
+                        self.touch(sample, &near, seen, &mut contacts);
                         self.avoid(sample, &behind, &mut contacts);
                     }
                     contacts
@@ -266,19 +286,15 @@ impl<'a> Finder<'a> {
         parts.into_iter().flatten().collect()
     }
 
-    /// Whether two feathers that face the same way can cover each other: rooted within a length and a width.
-    fn related(&self, a: u32, b: u32) -> bool {
-        let [x, y] = [a, b].map(|i| &self.leaves[i as usize].card);
-        let [s, t] = [a, b].map(|i| &self.stands[i as usize]);
-        let reach = x.length.max(y.length) + x.width.max(y.width);
-        s.normal.dot(t.normal) > 0.0 && s.root.distance_squared(t.root) < reach * reach
-    }
-
     /// Whether two feathers belong to the two faces of one part of the body: in bind pose they lie near each other and their fronts
     /// look apart.
     fn back_to_back(&self, a: u32, b: u32) -> bool {
-        let [x, y] = [a, b].map(|i| &self.leaves[i as usize].card);
-        let [(p, m), (q, n)] = [a, b].map(|i| self.stands[i as usize].rest);
+        let [x, y] = [a, b].map(|i| &self.leaves[i as usize]);
+        let [(p, m), (q, n)] = [x, y].map(|leaf| {
+            let middle = leaf.shaft.points.len() / 2;
+            (leaf.shaft.points[middle], leaf.shaft.normals[middle])
+        });
+        let (x, y) = (&x.card, &y.card);
         let reach = x.length.max(y.length) + x.width.max(y.width);
         m.dot(n) < BACK
             && p.distance_squared(q) < reach * reach
@@ -342,14 +358,14 @@ impl<'a> Finder<'a> {
             let distance = a.distance.total_cmp(&b.distance);
             distance.then(a.leaf.cmp(&b.leaf))
         });
-        near.retain(|other| self.related(leaf, other.leaf));
+        near.retain(|other| self.stands.related(self.leaves, leaf, other.leaf));
         // What lies right above and right below passes the order on to the rest.
         let apart = |other: &Near| (self.leaves[other.leaf as usize].card.layer - own.layer).abs();
         near.sort_unstable_by(|a, b| apart(a).total_cmp(&apart(b)).then(a.leaf.cmp(&b.leaf)));
     }
 
     /// Adds the contacts of a sample with feathers that face the same way.
-    fn touch(&self, sample: &Sample, near: &[Near], contacts: &mut Vec<Contact>) {
+    fn touch(&self, sample: &Sample, near: &[Near], seen: &[bool], contacts: &mut Vec<Contact>) {
         let own = &self.leaves[sample.seen.leaf as usize].card;
         let mut found = 0;
         for other in near {
@@ -367,8 +383,12 @@ impl<'a> Finder<'a> {
             } else {
                 (spot, sample.spot, -height)
             };
+            let height = height - raise(&upper, self.heights) + raise(&lower, self.heights);
+            if upper.iter().all(|(i, _)| !seen[*i as usize]) {
+                continue;
+            }
             contacts.push(Contact {
-                height: height - raise(&upper, self.heights) + raise(&lower, self.heights),
+                height,
                 upper,
                 lower,
                 gap: GAP * width,
@@ -430,7 +450,7 @@ impl<'a> Finder<'a> {
 }
 
 /// The quads of a feather whose first vertices lie in these rows.
-fn quads(block: &Block, rows: Range<usize>) -> impl Iterator<Item = (usize, usize)> {
+fn quads(block: &Block, rows: Range<usize>) -> impl Iterator<Item = (usize, usize)> + use<> {
     let wide = block.wide - 1;
     rows.flat_map(move |i| (0..wide).map(move |j| (i, j)))
 }

@@ -38,6 +38,7 @@ mod plumage;
 mod pose;
 pub mod rows;
 pub mod scatter;
+mod seen;
 pub mod select;
 pub mod settle;
 pub mod skin;

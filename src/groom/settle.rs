@@ -6,6 +6,10 @@
 //! and half by the lower. Lifting only the upper would part each pair at once, but where feathers overlap from head to tail the
 //! lifts add up without end. The skin is the floor.
 //!
+//! What can be seen comes first. Small pictures from many sides ([`super::seen`]) say which vertices lie uppermost or next to it; of
+//! feathers that are buried only those are kept apart that something seen lies over, so that a pile where the wing folds does not
+//! grow thicker than it must. Then the coat is looked at again, a few times, and what should be seen is drawn over all that hides it.
+//!
 //! Every pose has heights of its own ([`super::WornPoses`] says which a bird wears): feathers that lie upon each other in the folded wing
 //! are drawn apart by the open one, and lie upon others. Those of later poses begin at those of the first.
 
@@ -13,19 +17,26 @@ use super::{
     carried::{Block, Carried},
     contact::{Contact, Finder, Spot, raise},
     leaf::Leaf,
+    pose::blend,
+    seen::Seen,
+    skin::SkinMesh,
 };
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Vec3};
 
 /// Times that contacts are looked for in the first pose, and in each further one, which begins near its end.
-const SEARCHES: [usize; 2] = [4, 2];
+const SEARCHES: [usize; 2] = [3, 2];
 /// Rounds of projection after each.
 const ROUNDS: usize = 25;
+/// Times that the coat is looked at from all around after that.
+const LOOKS: usize = 3;
+/// Rounds of projection after each.
+const LOOK_ROUNDS: usize = 15;
 /// Furthest that a vertex moves, in distances from the root: down, up.
 const RANGE: (f32, f32) = (-0.5, 0.6);
 /// What is added to both at the root and elsewhere, in median widths.
-const FREE: f32 = 0.25;
-/// Furthest that any vertex moves, in median widths (parrot 15 mm, eagle 20 mm).
-const MOST: f32 = 1.35;
+const FREE: f32 = 0.5;
+/// Furthest that any vertex moves: over the root of the skin's area (parrot 14 mm, eagle 25 mm), and in median widths.
+const MOST: (f32, f32) = (0.036, 1.9);
 /// Clear height over the skin, in median widths.
 const CLEAR: f32 = 0.035;
 /// How far a vertex goes towards the mean of those around it after each round.
@@ -37,23 +48,58 @@ const ROUGH: usize = 5;
 
 /// How much further all vertices rise along their normals, metres, so that the leaves lie in order in a pose (what every joint, those
 /// of rows included, does to bind pose; empty: bind pose). The same arguments give the same bytes.
-pub fn settle(leaves: &[Leaf], pose: &[Affine3A]) -> Vec<f32> {
+pub fn settle(leaves: &[Leaf], skin: &SkinMesh, pose: &[Affine3A]) -> Vec<f32> {
     let carried = Carried::new(leaves, pose);
     let before: Vec<f32> = leaves.iter().flat_map(raised).collect();
-    let (lows, highs) = limits(leaves, &carried, &before);
+    let (lows, highs) = limits(leaves, skin, &carried, &before);
     let mut heights = vec![0.0_f32; carried.places.len()];
+    let body = posed(skin, pose);
+    let seen = Seen {
+        leaves,
+        carried: &carried,
+        body: &body,
+    };
+    let (_, marks) = seen.look(&heights, LOOKS);
     let searches = SEARCHES[usize::from(leaves.iter().any(|leaf| !leaf.raised.is_empty()))];
-    for search in 0..searches {
-        let contacts = Finder::new(leaves, &carried, &heights).find();
-        for round in 0..ROUNDS {
-            project(&contacts, &mut heights, &lows, &highs);
-            if search + 1 < searches || round + ROUGH < ROUNDS {
-                smooth(&carried.blocks, &mut heights, &lows, &highs);
-            }
-            flatten(leaves, &carried.blocks, &before, &mut heights);
+    let round = |contacts: &[&[Contact]], rough: bool, heights: &mut Vec<f32>| {
+        for contacts in contacts {
+            project(contacts, heights, &lows, &highs);
+        }
+        if !rough {
+            smooth(&carried.blocks, heights, &lows, &highs);
+        }
+        flatten(leaves, &carried.blocks, &before, heights);
+    };
+    // All contacts that were found last, and over them, so that they count most, what was seen since.
+    let mut all: Vec<Vec<Contact>> = Vec::new();
+    for _ in 0..searches {
+        all = vec![Finder::new(leaves, &carried, &heights).find(&marks)];
+        for _ in 0..ROUNDS {
+            round(&[&all[0]], false, &mut heights);
+        }
+    }
+    for look in 0..LOOKS {
+        all.push(seen.look(&heights, look).0);
+        let lists: Vec<&[Contact]> = all.iter().map(Vec::as_slice).collect();
+        for number in 0..LOOK_ROUNDS {
+            let rough = look + 1 == LOOKS && number + ROUGH >= LOOK_ROUNDS;
+            round(&lists, rough, &mut heights);
         }
     }
     heights
+}
+
+/// Triangles of the skin in a pose.
+fn posed(skin: &SkinMesh, pose: &[Affine3A]) -> Vec<[Vec3; 3]> {
+    let place = |(i, place): (usize, &Vec3)| {
+        let weights = skin.weights.get(i).copied().unwrap_or_default();
+        blend(&weights, pose).transform_point3(*place)
+    };
+    let places: Vec<Vec3> = skin.positions.iter().enumerate().map(place).collect();
+    let triangles = skin.triangles.iter();
+    triangles
+        .map(|corners| corners.map(|i| places[i as usize]))
+        .collect()
 }
 
 /// Heights that a leaf has already.
@@ -96,8 +142,14 @@ fn project(contacts: &[Contact], heights: &mut [f32], lows: &[f32], highs: &[f32
 }
 
 /// How far each vertex may still sink and rise.
-fn limits(leaves: &[Leaf], carried: &Carried, before: &[f32]) -> (Vec<f32>, Vec<f32>) {
-    let [free, clear, most] = [FREE, CLEAR, MOST].map(|share| share * carried.median);
+fn limits(
+    leaves: &[Leaf],
+    skin: &SkinMesh,
+    carried: &Carried,
+    before: &[f32],
+) -> (Vec<f32>, Vec<f32>) {
+    let [free, clear, most] = [FREE, CLEAR, MOST.1].map(|share| share * carried.median);
+    let most = most.min(MOST.0 * skin.areas.iter().sum::<f32>().sqrt());
     let count = carried.places.len();
     let (mut lows, mut highs) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for (leaf, block) in leaves.iter().zip(&carried.blocks) {

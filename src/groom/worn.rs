@@ -24,6 +24,8 @@ pub const ATTRIBUTE_RAISED: MeshVertexAttribute =
 const BLEND: (f32, f32) = (0.375, 0.625);
 /// Rotation between two poses that is none, radians.
 const STILL: f32 = 1.0e-3;
+/// Share of the most that any joint asks of the heights, below which one is not asked for.
+const LITTLE: f32 = 1.0e-3;
 
 /// The poses of a coat as the joints tell them apart: by the rotations relative to the skeleton's first joint of all joints that
 /// turn between them.
@@ -31,7 +33,7 @@ const STILL: f32 = 1.0e-3;
 pub struct WornPoses {
     /// Furthest that a vertex of any further pose is from where it is in the first, metres.
     pub reach: f32,
-    /// Joints that turn, each with its weight: the square of the widest angle between two poses.
+    /// Joints that turn, each with its weight: the square of the widest angle between two poses times what it asks of the heights.
     joints: Vec<(usize, f32)>,
     /// For each pose: the rotation of each of those joints.
     rotations: Vec<Vec<Quat>>,
@@ -52,8 +54,15 @@ fn angle(a: Quat, b: Quat) -> f32 {
 }
 
 impl WornPoses {
-    /// Poses: for each, what every joint of the body does to bind pose.
-    pub fn new(poses: &[Vec<Affine3A>], reach: f32) -> Self {
+    /// Poses: for each, what every joint of the body does to bind pose. `asked`: for each joint, how much the heights of what it carries
+    /// differ between the poses, in any unit; empty: alike for all. A turned head, with all the joints of neck, bill and eyes, must not
+    /// outweigh a wing.
+    pub fn new(poses: &[Vec<Affine3A>], reach: f32, asked: &[f32]) -> Self {
+        let most = asked.iter().copied().fold(0.0_f32, f32::max);
+        let share = |joint: usize| match asked.get(joint) {
+            Some(asked) if most > 0.0 => asked / most,
+            _ => 1.0,
+        };
         let joints = poses.first().map_or(0, Vec::len);
         let turns = |joint: usize| poses.iter().map(move |pose| turn(pose, joint));
         let widest = |joint: usize| {
@@ -61,8 +70,9 @@ impl WornPoses {
             pairs.fold(0.0_f32, f32::max)
         };
         let joints: Vec<(usize, f32)> = (1..joints)
-            .map(|joint| (joint, widest(joint).powi(2)))
-            .filter(|(_, weight)| *weight > STILL * STILL)
+            .map(|joint| (joint, widest(joint)))
+            .filter(|(joint, angle)| *angle > STILL && share(*joint) > LITTLE)
+            .map(|(joint, angle)| (joint, angle.powi(2) * share(joint)))
             .collect();
         let of_pose = |pose: &Vec<Affine3A>| joints.iter().map(|(j, _)| turn(pose, *j)).collect();
         Self {
@@ -70,6 +80,11 @@ impl WornPoses {
             rotations: poses.iter().map(of_pose).collect(),
             joints,
         }
+    }
+
+    /// Number of poses.
+    pub fn count(&self) -> usize {
+        self.rotations.len()
     }
 
     /// Number of joints that it takes to tell the poses apart, counted from the first.
@@ -182,6 +197,7 @@ mod tests {
         let poses = WornPoses::new(
             &[pose([0.0; 3]), pose([0.0, 1.0, 0.0]), pose([0.0, 1.0, 1.4])],
             0.01,
+            &[],
         );
         assert_eq!(
             poses.joints.len(),
@@ -205,8 +221,18 @@ mod tests {
     }
 
     #[test]
+    fn what_carries_no_feathers_does_not_choose_the_pose() {
+        let poses = [pose([0.0; 3]), pose([0.0, 1.0, 1.4])];
+        let head_turned = pose([0.0, 0.0, 1.4]);
+        let alike = WornPoses::new(&poses, 0.01, &[]).shares(&head_turned);
+        assert!(alike[1] > 0.5, "{alike:?}");
+        let by_wing = WornPoses::new(&poses, 0.01, &[0.0, 1.0, 0.01]).shares(&head_turned);
+        assert_eq!(by_wing[..2], [1.0, 0.0]);
+    }
+
+    #[test]
     fn where_the_bird_stands_does_not_matter_and_a_mirror_does_not_either() {
-        let poses = WornPoses::new(&[pose([0.0; 3]), pose([0.0, 1.0, 0.5])], 0.01);
+        let poses = WornPoses::new(&[pose([0.0; 3]), pose([0.0, 1.0, 0.5])], 0.01, &[]);
         let stretched = pose([0.0, 0.95, 0.5]);
         for world in [
             Affine3A::from_rotation_translation(Quat::from_rotation_y(2.0), Vec3::splat(7.0)),
@@ -220,7 +246,7 @@ mod tests {
     #[test]
     fn without_poses_and_with_damaged_joints_there_are_shares() {
         assert_eq!(WornPoses::default().shares(&[]), [1.0, 0.0, 0.0, 0.0, 0.0]);
-        let poses = WornPoses::new(&[pose([0.0; 3]), pose([0.0, 1.0, 0.5])], 0.01);
+        let poses = WornPoses::new(&[pose([0.0; 3]), pose([0.0, 1.0, 0.5])], 0.01, &[]);
         let damaged = vec![Affine3A::from_scale(Vec3::splat(f32::NAN)); 3];
         for shares in [poses.shares(&damaged), poses.shares(&[])] {
             assert!(shares.iter().all(|x| x.is_finite()), "{shares:?}");

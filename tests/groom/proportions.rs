@@ -21,7 +21,11 @@ struct Rest {
 fn rest(name: &'static str, perch: f32) -> Rest {
     let (bird, coat) = groomed(name);
     let pose = bird.skinning(Some(0.0));
-    let posed = bird.pose(coat, &SceneBird::vertices(coat, &pose), &pose);
+    let posed = bird.pose(
+        &SceneBird::vertices(coat, &pose),
+        &SceneBird::carries(coat, &pose),
+        &pose,
+    );
     let regions = ["secondaries", "tertials"].map(|name| {
         let row = bird.groom.rows.iter().position(|row| row.name == name);
         (bird.groom.regions.len() + row.expect("a wing")) as u16
@@ -95,7 +99,11 @@ fn birds_at_rest_have_the_proportions_of_photographs() {
 fn the_owl_has_the_measures_of_its_species() {
     let (bird, coat) = groomed("owl");
     let pose = bird.skinning(Some(0.0));
-    let posed = bird.pose(coat, &SceneBird::vertices(coat, &pose), &pose);
+    let posed = bird.pose(
+        &SceneBird::vertices(coat, &pose),
+        &SceneBird::carries(coat, &pose),
+        &pose,
+    );
     // Points of a row's feathers on the left.
     let points = |name: &str| -> Vec<Vec3> {
         let row = bird.groom.rows.iter().position(|row| row.name == name);

@@ -3,6 +3,7 @@
 //! Support lives here, never an assertion about the library. It may use the library and its references; the library may not use it.
 #![allow(missing_docs)]
 
+pub mod air;
 pub mod app;
 pub mod awkward;
 pub mod bare;

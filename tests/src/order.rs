@@ -1,6 +1,9 @@
 //! Wrong pixels of a coat over poses and views, by part of the body.
 
-use crate::scene_bird::{PosedCoat, SceneBird};
+use crate::{
+    air::Air,
+    scene_bird::{PosedCoat, SceneBird},
+};
 use bevy::{
     math::{Vec3, Vec3Swizzles},
     mesh::{Mesh, VertexAttributeValues},
@@ -22,6 +25,10 @@ const EYES: [Vec3; 5] = [
     Vec3::new(0.5, -0.8, 0.33),
 ];
 
+/// Steps in which it is counted how far behind the right feather lies, and how many; the last holds all beyond.
+pub const STEP: f32 = 0.05;
+pub const STEPS: usize = 11;
+
 /// Time from one picture to the next where flicker is measured, seconds.
 const FRAME: f32 = 1.0 / 30.0;
 
@@ -38,6 +45,10 @@ pub struct Count {
     pub flicker: usize,
     /// Pixels of skin, bill and legs that the window paints over.
     pub painted: usize,
+    /// Feathers that are shaded at all pixels.
+    pub shaded: usize,
+    /// Pixels that show the body: skin, bill, legs and eyes.
+    pub bare: usize,
 }
 
 impl Count {
@@ -61,6 +72,16 @@ impl Count {
         100.0 * self.painted as f32 / self.feathers.max(1) as f32
     }
 
+    /// Pixels of the body over the pixels of feathers, per cent.
+    pub fn bare(&self) -> f32 {
+        100.0 * self.bare as f32 / self.feathers.max(1) as f32
+    }
+
+    /// Feathers that are shaded at a pixel of feathers.
+    pub fn shaded(&self) -> f32 {
+        self.shaded as f32 / self.feathers.max(1) as f32
+    }
+
     /// Adds another count.
     pub fn add(&mut self, other: &Self) {
         self.feathers += other.feathers;
@@ -68,6 +89,8 @@ impl Count {
         self.color += other.color;
         self.flicker += other.flicker;
         self.painted += other.painted;
+        self.shaded += other.shaded;
+        self.bare += other.bare;
     }
 }
 
@@ -80,6 +103,8 @@ pub struct Tally {
     pub parts: BTreeMap<&'static str, Count>,
     /// Wrong pixels by the tract that is shown and the tract that should cover it.
     pub tracts: BTreeMap<(u16, u16), usize>,
+    /// Wrong pixels by how far behind the right feather is, in steps of [`STEP`] widths of the narrower.
+    pub gaps: [usize; STEPS],
 }
 
 /// A groomed bird whose order is measured.
@@ -94,6 +119,8 @@ pub struct Measured<'a> {
     pub window: f32,
     /// Half the side of a picture, metres.
     pub half: f32,
+    /// Wind and ruffle.
+    pub air: Air,
     uvs: Vec<[f32; 2]>,
 }
 
@@ -111,6 +138,7 @@ impl<'a> Measured<'a> {
             size,
             window,
             half: 0.45 * top.fold(0.0, f32::max),
+            air: Air::default(),
             uvs,
         }
     }
@@ -118,8 +146,18 @@ impl<'a> Measured<'a> {
     /// Pose of a time of the clip (none: bind pose).
     pub fn pose(&self, time: Option<f32>) -> PosedCoat {
         let skinning = self.bird.skinning(time);
-        let vertices = SceneBird::vertices(self.coat, &skinning);
-        self.bird.pose(self.coat, &vertices, &skinning)
+        let mut vertices = SceneBird::vertices(self.coat, &skinning);
+        let carries = SceneBird::carries(self.coat, &skinning);
+        if !self.air.is_still() {
+            let blown = self.air.blown(&self.bird.groom, time.unwrap_or(0.0));
+            for (card, place) in self.coat.cards.iter().zip(&self.coat.geometry) {
+                let first = place.first_vertex as usize;
+                for i in first..first + place.vertex_count as usize {
+                    vertices[i] = blown.place(card, self.uvs[i][1], vertices[i], carries[i]);
+                }
+            }
+        }
+        self.bird.pose(&vertices, &carries, &skinning)
     }
 
     /// The views of a pose.
@@ -172,7 +210,7 @@ impl<'a> Measured<'a> {
             .map(|view| {
                 let (layers, pixels) = self.judge(&pose, view);
                 let mut tally = Tally::default();
-                for pixel in &pixels {
+                for (number, pixel) in pixels.iter().enumerate() {
                     let Some(card) = pixel.card() else { continue };
                     let one = Count {
                         feathers: 1,
@@ -181,16 +219,19 @@ impl<'a> Measured<'a> {
                             Pixel::Wrong(..) | Pixel::WrongColor(..)
                         )),
                         color: usize::from(matches!(pixel, Pixel::WrongColor(..))),
+                        shaded: layers.shaded(number, &self.coat.cards, self.window),
                         ..Count::default()
                     };
                     tally.all.add(&one);
                     if let Some(missing) = pixel.missing() {
                         let tracts = [card, missing].map(|i| self.coat.cards[i as usize].region);
                         *tally.tracts.entry(tracts.into()).or_default() += 1;
+                        tally.gaps[self.gap(&layers, number, card, missing)] += 1;
                     }
                     let part = self.bird.part(self.coat.cards[card as usize].region);
                     tally.parts.entry(part).or_default().add(&one);
                 }
+                tally.all.bare = layers.bare;
                 tally.all.painted = layers.painted_over(&self.coat.cards, self.window);
                 if let Some(next) = &next {
                     let (its_layers, its) = self.judge(next, view);
@@ -202,6 +243,17 @@ impl<'a> Measured<'a> {
         let mut sum = Tally::default();
         counted.iter().for_each(|tally| sum.add(tally));
         sum
+    }
+
+    /// Step of how far one feather of a pixel lies behind another.
+    fn gap(&self, layers: &Layers, pixel: usize, shown: u32, missing: u32) -> usize {
+        let near = |card: u32| {
+            let found = layers.at(pixel).iter().find(|f| f.card == card);
+            found.map_or(0.0, |fragment| fragment.near)
+        };
+        let [a, b] = [shown, missing].map(|card| self.coat.cards[card as usize].width);
+        let behind = (near(shown) - near(missing)) / a.min(b).max(f32::MIN_POSITIVE);
+        ((behind / STEP).max(0.0) as usize).min(STEPS - 1)
     }
 
     /// Pairs of neighbors that poke through each other in a pose: those rooted, in bind pose, within a length and a width of each
@@ -234,6 +286,9 @@ impl Tally {
         }
         for (tracts, count) in &other.tracts {
             *self.tracts.entry(*tracts).or_default() += count;
+        }
+        for (own, its) in self.gaps.iter_mut().zip(other.gaps) {
+            *own += its;
         }
     }
 }

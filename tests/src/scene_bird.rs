@@ -319,8 +319,8 @@ impl SceneBird {
         }
     }
 
-    /// Where a coat's vertices, given in bind pose, and the body are in a pose.
-    pub fn pose(&self, coat: &Coat, vertices: &[Vec3], skinning: &[Affine3A]) -> PosedCoat {
+    /// What the joints of a pose do to each vertex of a coat.
+    pub fn carries(coat: &Coat, skinning: &[Affine3A]) -> Vec<Affine3A> {
         let mut all = skinning.to_vec();
         all.extend(
             coat.fans
@@ -335,17 +335,29 @@ impl SceneBird {
             Some(VertexAttributeValues::Float32x4(weights)) => weights.as_slice(),
             _ => &[],
         };
+        let sets = joints.iter().zip(weights);
+        sets.map(|(joints, weights)| carry((*joints, *weights), &all))
+            .collect()
+    }
+
+    /// Where a coat's vertices, given in bind pose, and the body are in a pose. `carries`: of that pose.
+    pub fn pose(
+        &self,
+        vertices: &[Vec3],
+        carries: &[Affine3A],
+        skinning: &[Affine3A],
+    ) -> PosedCoat {
         let cards = vertices
             .iter()
-            .zip(joints.iter().zip(weights))
-            .map(|(place, (joints, weights))| carried(*place, (*joints, *weights), &all))
+            .zip(carries)
+            .map(|(place, carry)| carry.transform_point3(*place))
             .collect();
         let mut body = Vec::new();
         for (positions, weights, indices) in &self.parts {
             let posed: Vec<Vec3> = positions
                 .iter()
                 .zip(weights)
-                .map(|(place, weights)| carried(*place, *weights, skinning))
+                .map(|(place, weights)| carry(*weights, skinning).transform_point3(*place))
                 .collect();
             body.extend(
                 indices
@@ -403,9 +415,12 @@ impl SceneBird {
     }
 }
 
-fn carried(place: Vec3, (joints, weights): Weights, matrices: &[Affine3A]) -> Vec3 {
-    (0..4)
-        .filter(|k| weights[*k] > 0.0)
-        .map(|k| matrices[usize::from(joints[k])].transform_point3(place) * weights[k])
-        .sum()
+fn carry((joints, weights): Weights, matrices: &[Affine3A]) -> Affine3A {
+    let mut sum = Affine3A::ZERO;
+    for k in (0..4).filter(|k| weights[*k] > 0.0) {
+        let own = matrices[usize::from(joints[k])];
+        sum.matrix3 += own.matrix3 * weights[k];
+        sum.translation += own.translation * weights[k];
+    }
+    sum
 }

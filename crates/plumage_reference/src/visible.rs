@@ -68,6 +68,8 @@ pub struct Layers {
     list: Vec<Fragment>,
     /// Pixels where the body is seen and a feather lies not far behind it: pixel, depth behind the body, and the feather.
     behind: Vec<(u32, f32, Fragment)>,
+    /// Pixels where the body is seen.
+    pub bare: usize,
 }
 
 /// What a pixel shows.
@@ -218,7 +220,10 @@ impl Posed<'_> {
             starts[i + 1] += starts[i];
         }
         behind.retain(|(pixel, ..)| starts[*pixel as usize] == starts[*pixel as usize + 1]);
+        let empty = |pixel: &usize| starts[*pixel] == starts[*pixel + 1];
+        let bare = (0..count).filter(|pixel| wall[*pixel].is_finite() && empty(pixel));
         Layers {
+            bare: bare.count(),
             behind,
             starts,
             list: found.into_iter().map(|(_, fragment)| fragment).collect(),
@@ -313,6 +318,15 @@ impl Layers {
         pixels.sort_unstable();
         pixels.dedup();
         pixels.len()
+    }
+
+    /// Feathers of a pixel that are shaded: those no further behind the nearest than the window, in widths of a feather, allows.
+    pub fn shaded(&self, pixel: usize, cards: &[Card], window: f32) -> usize {
+        let list = self.at(pixel);
+        let comes = |fragment: &&Fragment| {
+            window > 0.0 && fragment.near + reach(fragment, cards, window) >= list[0].near
+        };
+        list.iter().filter(comes).count().max(list.len().min(1))
     }
 
     fn has(&self, pixel: usize, card: u32) -> bool {

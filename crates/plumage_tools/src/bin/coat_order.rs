@@ -5,11 +5,12 @@
 //! for each view; wrong pixels are red, those of another color too are yellow.
 
 use bevy::math::Vec3;
-use bevy_plumage::groom::Coat;
+use bevy_plumage::{Wind, groom::Coat};
 use clap::Parser;
 use plumage_reference::{crossing::Overlaps, visible::Pixel};
 use plumage_tests::{
-    order::{Measured, Tally},
+    air::Air,
+    order::{Measured, STEP, Tally},
     scene_bird::SceneBird,
 };
 use std::time::Instant;
@@ -25,9 +26,10 @@ struct Args {
     /// Side of a picture, pixels.
     #[arg(long, default_value_t = 300)]
     size: usize,
-    /// Depth within which the order decides, widths of a feather, as `FeatherSettings::order_window`.
-    #[arg(long, default_value_t = 0.0)]
-    window: f32,
+    /// Depth within which the order decides, widths of a feather, as `FeatherSettings::order_window`. Of further ones only the mean of
+    /// all phases is printed.
+    #[arg(long, num_args = 1.., default_values_t = [0.0])]
+    window: Vec<f32>,
     /// Seed.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -43,12 +45,24 @@ struct Args {
     /// Count the pairs that poke through each other, too.
     #[arg(long)]
     pairs: bool,
+    /// Ruffles the coat, as `Ruffle::amount`.
+    #[arg(long, default_value_t = 0.0)]
+    ruffle: f32,
+    /// Wind with gusts of as much again, m/s.
+    #[arg(long, default_value_t = 0.0)]
+    wind: f32,
+    /// Where it blows to; the default comes from behind and opens the coat.
+    #[arg(long, num_args = 3, allow_negative_numbers = true, default_values_t = [0.3, 0.0, 1.0])]
+    towards: Vec<f32>,
     /// Picture of the wrong pixels.
     #[arg(long)]
     output: Option<String>,
     /// Settles the coat at this time of the clip instead of in the groom's own pose, seconds.
     #[arg(long)]
     pose: Option<f32>,
+    /// Settles it at this time of the clip, too, seconds.
+    #[arg(long)]
+    further: Option<f32>,
     /// Prints that pose for a groom file.
     #[arg(long)]
     print: bool,
@@ -60,11 +74,13 @@ struct Args {
 fn line(name: &str, tally: &Tally) {
     let all = &tally.all;
     println!(
-        "{name:>10}: {:6.2} % wrong, {:6.2} % wrong color, flicker {:.3} %, body painted over {:.3} %, {} px",
+        "{name:>10}: {:6.2} % wrong, {:6.2} % wrong color, flicker {:.3} %, body painted over {:.3} %, body {:.3} %, {:.2} shaded, {} px",
         all.wrong(),
         all.color(),
         all.flicker(),
         all.painted(),
+        all.bare(),
+        all.shaded(),
         all.feathers
     );
 }
@@ -102,6 +118,30 @@ fn tracts(bird: &SceneBird, sum: &Tally) {
     }
 }
 
+/// How far vertices stand off, and what that takes.
+fn heights(coat: &Coat) {
+    let vertices = coat.mesh.count_vertices();
+    println!(
+        "  heights at most {:.1} mm, {} poses, {:.3} MB each",
+        1.0e3 * coat.moved,
+        coat.worn.count(),
+        8.0 * vertices as f32 / 4.0e6,
+    );
+}
+
+fn gaps(sum: &Tally) {
+    let all = sum.gaps.iter().sum::<usize>().max(1) as f32;
+    let shares = sum
+        .gaps
+        .iter()
+        .map(|count| format!("{:.0}", 100.0 * *count as f32 / all));
+    let shares: Vec<String> = shares.collect();
+    println!(
+        "  right feather behind by steps of {STEP} widths: {} %",
+        shares.join(" ")
+    );
+}
+
 fn main() {
     let args = Args::parse();
     let mut bird = SceneBird::load(&args.bird);
@@ -114,6 +154,10 @@ fn main() {
         }
         bird.groom.poses = vec![pose];
     }
+    if let Some(time) = args.further {
+        let pose = bird.key_pose("further", time);
+        bird.groom.poses.push(pose);
+    }
     let begun = Instant::now();
     let coat: Coat = bird.groom(args.seed, args.density);
     println!(
@@ -122,7 +166,12 @@ fn main() {
         coat.cards.len(),
         begun.elapsed().as_secs_f32()
     );
-    let measured = Measured::new(&bird, &coat, args.size, args.window);
+    heights(&coat);
+    let mut measured = Measured::new(&bird, &coat, args.size, args.window[0]);
+    measured.air = Air {
+        ruffle: args.ruffle,
+        wind: Wind::new(Vec3::from_slice(&args.towards), args.wind),
+    };
     line("bind", &measured.tally(None, false));
     if args.pairs {
         pairs("bind", &measured.pairs(None));
@@ -145,6 +194,15 @@ fn main() {
     }
     if args.tracts {
         tracts(&bird, &sum);
+        gaps(&sum);
+    }
+    for window in &args.window[1..] {
+        measured.window = *window;
+        let mut sum = Tally::default();
+        for time in measured.phases(args.phases) {
+            sum.add(&measured.tally(Some(time), false));
+        }
+        line(&format!("window {window}"), &sum);
     }
     if let Some(output) = &args.output {
         if let Err(error) = picture(&measured, &args.times).save(output) {
