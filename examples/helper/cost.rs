@@ -90,24 +90,57 @@ pub fn run(app: &mut App, rounds: u32, name: &str) {
 const WARM_UP: usize = 3;
 
 /// Processor time of whole frames of two apps that show the same scene, with its feathers and with the same cards in a
-/// `StandardMaterial`, over `rounds` rounds. Prints the least of each and their ratio. What was said of [`run`] holds here, too.
-pub fn compare_cards(feathers: &mut App, cards: &mut App, rounds: u32, name: &str) {
+/// `StandardMaterial`, over `rounds` rounds; of the feathers also with those drawn that the skin hides. Prints the least of each, their
+/// ratios, and by how much hidden cards change the picture. What was said of [`run`] holds here, too.
+pub fn compare_cards(
+    feathers: &mut App,
+    image: &Handle<Image>,
+    cards: &mut App,
+    rounds: u32,
+    name: &str,
+) -> Result<(), String> {
     for _ in 0..WARM_UP {
         frame(feathers);
         frame(cards);
     }
-    let mut times: [Vec<f64>; 2] = Default::default();
-    for _ in 0..rounds {
-        times[0].push(seconds(feathers));
-        times[1].push(seconds(cards));
+    let mut times: [Vec<f64>; 3] = Default::default();
+    let mut pictures = Vec::new();
+    let mut classes = String::new();
+    for round in 0..rounds {
+        for (all, times) in times.iter_mut().take(2).enumerate() {
+            change_settings(feathers, |settings| settings.cull_hidden = all == 0);
+            times.push(seconds(feathers));
+            if round == 0 {
+                pictures.push(capture(feathers, image.clone())?.to_rgb8().into_raw());
+            }
+        }
+        times[2].push(seconds(cards));
+        if round == 0 {
+            change_settings(feathers, |settings| settings.cull_hidden = true);
+            // Counters come back some frames late.
+            for _ in 0..SETTLE {
+                frame(feathers);
+            }
+            classes = bevy_plumage::CARD_COUNTERS
+                .map(|class| format!("{} {class}", cards_of(feathers, class)))
+                .join(", ");
+        }
     }
-    let [own, plain] = times.each_ref().map(|list| 1e3 * least(list));
+    let [own, all, plain] = times.each_ref().map(|list| 1e3 * least(list));
     let adapter = &feathers.world().resource::<RenderAdapterInfo>().name;
+    let steps = pictures[0].iter().zip(&pictures[1]);
+    let steps: Vec<u8> = steps.map(|(a, b)| a.abs_diff(*b)).collect();
     println!(
-        "{name}: least of {rounds} frames each on {adapter}, processor time: feathers {own:.0} ms, cards in StandardMaterial \
-         {plain:.0} ms, ratio {:.2}",
+        "{name}: least of {rounds} frames each on {adapter}, processor time: feathers {own:.0} ms, with hidden cards {all:.0} ms, cards in \
+         StandardMaterial {plain:.0} ms, ratios {:.2} and {:.2}; cards: {classes}; hidden cards change {} of {} channels, by at most {} \
+         of 255",
         own / plain,
+        all / plain,
+        steps.iter().filter(|step| **step > 0).count(),
+        steps.len(),
+        steps.iter().max().unwrap_or(&0),
     );
+    Ok(())
 }
 
 /// Light budgets that are compared; 0 is the truth.
@@ -115,14 +148,18 @@ const LIGHT_BUDGETS: [f32; 5] = [0.0, 0.002, 0.005, 0.01, 0.02];
 /// Timed rounds over them.
 const LIGHT_ROUNDS: usize = 2;
 
-fn set_light_budget(app: &mut App, budget: f32) {
+fn change_settings(app: &mut App, change: impl Fn(&mut FeatherSettings)) {
     let mut qualities = app.world_mut().query::<&mut FeatherQuality>();
     for mut quality in qualities.iter_mut(app.world_mut()) {
-        quality.settings.light_budget = budget;
+        change(&mut quality.settings);
     }
     for _ in 0..SETTLE {
         frame(app);
     }
+}
+
+fn set_light_budget(app: &mut App, budget: f32) {
+    change_settings(app, |settings| settings.light_budget = budget);
 }
 
 /// Differences of two pictures, steps of 255 of the worst channel, of pixels where `shown` differs from `bare`: root mean square, 99th

@@ -99,10 +99,10 @@ pub fn compare_cards([mut feathers, mut cards]: [App; 2], name: &str, rounds: u3
         let args = app.world().resource::<Args>().clone();
         prepare(app, name, &args)
     };
-    let outcome = ready(&mut feathers).and_then(|_| ready(&mut cards));
-    if outcome.is_ok() {
-        super::cost::compare_cards(&mut feathers, &mut cards, rounds, name);
-    }
+    let outcome = ready(&mut feathers).and_then(|image| {
+        ready(&mut cards)?;
+        super::cost::compare_cards(&mut feathers, &image, &mut cards, rounds, name)
+    });
     std::mem::forget((feathers, cards));
     match outcome {
         Ok(_) => AppExit::Success,

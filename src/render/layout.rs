@@ -23,7 +23,11 @@ use crate::{
 
 /// The uniforms of the feather passes.
 pub fn struct_layouts() -> Vec<StructLayout> {
-    vec![material::settings_layout(), lod::params_layout()]
+    vec![
+        material::settings_layout(),
+        lod::params_layout(),
+        lod::skin_params_layout(),
+    ]
 }
 
 /// The constants by which feathers and cards are packed, and numbers that stand for variants.
@@ -67,7 +71,8 @@ pub fn constant_layouts() -> Vec<ConstantLayout> {
             ("CARD_FAR", Lod::Far as usize),
             ("CARD_MEAN", Lod::Mean as usize),
             ("CARD_MIXED", Lod::Mixed as usize),
-            ("CARD_LIT", CARD_COUNTERS.len() - 1),
+            ("CARD_LIT", 5),
+            ("CARD_HIDDEN", CARD_COUNTERS.len() - 1),
             ("MOTION_WORN", motion::WORN),
             ("MOTION_LIGHTS", motion::LIGHTS),
             ("MOTION_REGIONS", motion::REGIONS),

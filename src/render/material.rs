@@ -83,6 +83,8 @@ pub struct FeatherSettings {
     /// (0.02: an estimate, docs/book/lod.md#light-at-vertices); 0: light is found in every fragment.
     #[reflect(@Parameter::new("", 0.0, 0.1))]
     pub light_budget: f32,
+    /// Leave out cards that lie behind the bird's own skin (docs/book/lod.md#hidden-cards).
+    pub cull_hidden: bool,
 }
 
 impl FeatherSettings {
@@ -105,6 +107,7 @@ impl Default for FeatherSettings {
             environment_samples: 0,
             lights_together: false,
             light_budget: 0.02,
+            cull_hidden: true,
         }
     }
 }

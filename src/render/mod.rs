@@ -98,6 +98,7 @@ impl Plugin for FeatherRenderPlugin {
         }
         match limits::decide(app, self.path) {
             FeatherPath::Full => {
+                lod::share_meshes(app);
                 prepare::add_systems(app);
                 extra_draws::add_systems(app);
                 order::add_systems(app);

@@ -2,6 +2,7 @@
 
 use super::{
     key::{FeatherTransparency, ThinLayers},
+    lod::{CardPatches, GRID_BYTES, MEASURED, pack_patches},
     material::{FeatherMaterial, FeatherSettings},
     pack::{TableCache, albedo_array, pack_cards, pack_feathers, same_paint},
     stacks::StackWork,
@@ -114,10 +115,12 @@ pub struct PlumageWork {
 #[derive(Resource, Default)]
 struct FeatherSets(HashMap<Vec<AssetId<Feather>>, FeatherSet>);
 
-/// Bytes of one bird's own buffers, cards and LOD; and of its mesh, which equal birds share.
+/// Bytes of one bird's own buffers, cards and LOD; of what is kept while its cards are classified; and of its mesh, which equal birds
+/// share.
 #[derive(Component)]
 struct CardBytes {
     cards: u64,
+    measured: u64,
     mesh: (AssetId<Mesh>, u64),
 }
 
@@ -219,13 +222,20 @@ fn prepare_materials(
     (mut sets, mut stacks): (ResMut<FeatherSets>, ResMut<StackWork>),
     mut work: ResMut<PlumageWork>,
     bare: Query<
-        (Entity, &PlumageCards, &Mesh3d, Option<&FeathersOf>),
+        (
+            Entity,
+            &PlumageCards,
+            &Mesh3d,
+            Option<&FeathersOf>,
+            Option<&ChildOf>,
+        ),
         Or<(
             Without<MeshMaterial3d<FeatherMaterial>>,
             Changed<PlumageCards>,
         )>,
     >,
     qualities: Query<&FeatherQuality>,
+    skins: Query<&Mesh3d>,
     feathers: Res<Assets<Feather>>,
     meshes: Res<Assets<Mesh>>,
     images: ResMut<Assets<Image>>,
@@ -233,7 +243,7 @@ fn prepare_materials(
     mut materials: ResMut<Assets<FeatherMaterial>>,
 ) {
     let images = images.into_inner();
-    for (entity, cards, mesh, of) in &bare {
+    for (entity, cards, mesh, of, skin) in &bare {
         if cards.cards.is_empty() {
             continue;
         }
@@ -280,8 +290,12 @@ fn prepare_materials(
         };
         let records = pack_cards(&cards.cards);
         let lod = vec![0u8; 4 * cards.cards.len()];
+        let patches = pack_patches(&cards.geometry);
+        let skin = skin.and_then(|skin| meshes.get(skins.get(skin.parent()).ok()?));
+        let skin_vertices = skin.map_or(0, Mesh::count_vertices);
         let bytes = CardBytes {
-            cards: (records.len() + lod.len()) as u64,
+            cards: (records.len() + lod.len() + patches.len()) as u64,
+            measured: 16 * (MEASURED * cards.cards.len() as u64 + skin_vertices as u64),
             mesh: (mesh.id(), meshes.get(mesh.id()).map_or(0, mesh_bytes)),
         };
         work.materials += 1;
@@ -301,9 +315,11 @@ fn prepare_materials(
             albedo: set.albedo.clone(),
             motion: buffers.add(wind::still_motion(cards)),
         };
-        commands
-            .entity(entity)
-            .insert((MeshMaterial3d(materials.add(material)), bytes));
+        commands.entity(entity).insert((
+            MeshMaterial3d(materials.add(material)),
+            CardPatches(buffers.add(upload(patches, "feather_patches"))),
+            bytes,
+        ));
     }
 }
 
@@ -361,6 +377,9 @@ fn measure_memory(
         meshes.extend([bytes.mesh]);
     }
     now.meshes = meshes.values().sum();
+    // What all birds share while their cards are classified.
+    let most = sizes.iter().map(|bytes| bytes.measured).max();
+    now.cards += most.map_or(0, |most| GRID_BYTES + most);
     memory.set_if_neq(now);
 }
 

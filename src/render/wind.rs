@@ -174,6 +174,17 @@ pub(super) struct Motion {
     settled: bool,
 }
 
+impl Motion {
+    /// Heights of the worn pose, where neither wind nor ruffle move a feather.
+    pub(super) fn still(&self) -> Option<Vec4> {
+        let (air, eddies) = (self.now[0], self.now[1]);
+        let flat = |row: &[f32; 4]| row[0] == 0.0 && row[3] == 0.0;
+        let still =
+            air[3] == 0.0 && eddies[0] == 0.0 && self.now[motion::REGIONS..].iter().all(flat);
+        still.then(|| Vec4::from_array(self.now[motion::WORN]))
+    }
+}
+
 /// Writes a bird's buffer when its wind, ruffle, lights or worn pose have changed, and once more a frame later, when the change is the past. The
 /// bind group stays.
 pub(super) fn move_feathers(

@@ -21,6 +21,10 @@ pub const FEATHER: &str = "embedded://bevy_plumage/shaders/card/feather.wgsl";
 pub const FEATHER_PREPASS: &str = "embedded://bevy_plumage/shaders/card/feather_prepass.wgsl";
 /// Classification of cards.
 pub const FEATHER_LOD: &str = "embedded://bevy_plumage/shaders/card/feather_lod.wgsl";
+/// The skin as a grid of depths.
+pub const FEATHER_SKIN: &str = "embedded://bevy_plumage/shaders/card/feather_skin.wgsl";
+/// Cards behind it.
+pub const FEATHER_HIDE: &str = "embedded://bevy_plumage/shaders/card/feather_hide.wgsl";
 /// The undercoat, as a volume or as shells.
 pub const UNDERCOAT: &str = "embedded://bevy_plumage/shaders/undercoat/undercoat.wgsl";
 /// Skinning and extrusion of the undercoat's shell.
@@ -62,6 +66,8 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "maths/down_transfer.wgsl");
         load_shader_library!(app, "maths/down_strands.wgsl");
         load_shader_library!(app, "card/feather_data.wgsl");
+        load_shader_library!(app, "card/feather_lod_bindings.wgsl");
+        load_shader_library!(app, "card/feather_measure.wgsl");
         load_shader_library!(app, "card/feather_iridescence.wgsl");
         load_shader_library!(app, "card/feather_io.wgsl");
         load_shader_library!(app, "maths/wind.wgsl");
@@ -92,5 +98,7 @@ impl Plugin for ShadersPlugin {
         embedded_asset!(app, "card/feather.wgsl");
         embedded_asset!(app, "card/feather_prepass.wgsl");
         embedded_asset!(app, "card/feather_lod.wgsl");
+        embedded_asset!(app, "card/feather_skin.wgsl");
+        embedded_asset!(app, "card/feather_hide.wgsl");
     }
 }

@@ -138,6 +138,8 @@ fn variants() -> Vec<Variant> {
         all.push(("card/feather_prepass.wgsl", defs));
     }
     all.push(("card/feather_lod.wgsl", Vec::new()));
+    all.push(("card/feather_hide.wgsl", Vec::new()));
+    all.push(("card/feather_skin.wgsl", Vec::new()));
     let [coats, strands] = undercoat::fragment_defs(SAMPLES);
     for (file, made) in [
         ("undercoat/undercoat.wgsl", coats),

@@ -10,6 +10,7 @@ mod debug;
 mod edit_cost;
 mod environment;
 mod golden;
+mod hidden;
 mod life_cycle;
 mod lights;
 mod limits;

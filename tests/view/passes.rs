@@ -260,7 +260,7 @@ fn a_depth_prepass_changes_no_color() {
             "{msaa:?} {transparency:?} {distance}: {off:?}"
         );
     }
-    let [_, near, far, mean, mixed, lit] = classes;
+    let [_, near, far, mean, mixed, lit, _] = classes;
     assert!(
         far > 20 && mean + lit > 20 && near + mixed > 20,
         "{classes:?}"

@@ -3,16 +3,24 @@
 //!
 //! It runs once for every camera, right before that camera draws, so that two cameras share one buffer.
 
+mod hide;
 mod pass;
+mod skin;
 
 #[cfg(feature = "internals")]
-pub(super) use pass::params_layout;
+pub(super) use {pass::params_layout, skin::skin_params_layout};
+
+pub(super) use hide::{GRID_BYTES, MEASURED, pack_patches};
 
 use super::limits::path_is_full;
 use bevy::{
     core_pipeline::{Core3d, Core3dSystems},
     prelude::*,
-    render::{GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems},
+    render::{
+        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
+        mesh::allocator::MeshAllocatorSettings, render_resource::BufferUsages,
+        storage::ShaderBuffer,
+    },
 };
 
 /// Classes of cards, and the names of their counters (diagnostics `render/feather_cards_<name>`):
@@ -23,9 +31,24 @@ use bevy::{
 /// 3. `mean`: no pixel resolves barbs; MEAN everywhere.
 /// 4. `mixed`: each pixel picks its evaluator.
 /// 5. `lit`: as `mean`, and the light is found at the vertices.
+/// 6. `hidden`: behind the bird's own skin.
 ///
 /// The index is the class in the shaders; 1 to 4 are those of [`crate::maths::query::Lod`].
-pub const CARD_COUNTERS: [&str; 6] = ["culled", "near", "far", "mean", "mixed", "lit"];
+pub const CARD_COUNTERS: [&str; 7] = ["culled", "near", "far", "mean", "mixed", "lit", "hidden"];
+
+/// Where the vertices of the cards are in their mesh ([`pack_patches`]).
+#[derive(Component)]
+pub(super) struct CardPatches(pub Handle<ShaderBuffer>);
+
+/// Lets compute shaders read the vertices of meshes. Before Bevy makes its buffers.
+pub(super) fn share_meshes(app: &mut App) {
+    if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+        let mut settings = render_app
+            .world_mut()
+            .get_resource_or_init::<MeshAllocatorSettings>();
+        settings.extra_buffer_usages |= BufferUsages::STORAGE;
+    }
+}
 
 pub(super) struct LodPlugin;
 

@@ -45,6 +45,8 @@ const CARD_MEAN: u32 = 3u;
 const CARD_MIXED: u32 = 4u;
 // MEAN, its light found at the vertices.
 const CARD_LIT: u32 = 5u;
+// Behind the skin.
+const CARD_HIDDEN: u32 = 6u;
 
 // Rows of the motion table before its regions: wind (2), heights of the worn pose, lights (2).
 const MOTION_WORN: u32 = 2u;

@@ -117,7 +117,7 @@ fn is_drawn(level: u32) -> bool {
 #else ifdef ONLY_RESOLVED
     return level == data::CARD_NEAR || level == data::CARD_MIXED;
 #else
-    return level != data::CARD_CULLED;
+    return level != data::CARD_CULLED && level != data::CARD_HIDDEN;
 #endif
 }
 
