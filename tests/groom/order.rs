@@ -69,13 +69,13 @@ const BOUNDS: [Bounds; 3] = [
     },
     Bounds {
         name: "owl",
-        quiet: [(5.4, 0.45), (1.4, 0.25)],
-        stretch: (4.05, [(6.0, 1.1), (2.2, 0.65)]),
+        quiet: [(3.26, 0.18), (0.91, 0.06)],
+        stretch: (4.05, [(2.92, 0.53), (1.35, 0.31)]),
     },
 ];
 
 /// Flicker per 1/30 s while the bird is quiet, by depth alone and with the usual window.
-const FLICKER: [f32; 2] = [0.13, 0.06];
+const FLICKER: [f32; 2] = [0.08, 0.04];
 /// Pixels of the body that the window paints over.
 const PAINTED: f32 = 0.2;
 
