@@ -99,7 +99,7 @@ impl<'a> Meshes<'a> {
         let end = (u64::from(slice.range.end) * stride).next_multiple_of(4);
         let bytes = end.min(slice.buffer.size()) - offset;
         let fits = bytes <= limits.max_storage_buffer_binding_size
-            && start % 4 == 0
+            && start.is_multiple_of(4)
             && slice.buffer.usage().contains(BufferUsages::STORAGE);
         let words = ((start - offset) / 4) as u32;
         fits.then_some((Slice(slice.buffer, offset, bytes), words))
@@ -120,7 +120,9 @@ impl<'a> Meshes<'a> {
         let stride = layout.0.layout().array_stride;
         let slice = self.allocator.mesh_vertex_slice(&mesh)?;
         let (bound, first_word) = self.bind(&slice, u64::from(slice.range.start), stride)?;
-        if find(Mesh::ATTRIBUTE_POSITION, VertexFormat::Float32x3)? != 0 || stride % 4 != 0 {
+        if find(Mesh::ATTRIBUTE_POSITION, VertexFormat::Float32x3)? != 0
+            || !stride.is_multiple_of(4)
+        {
             return None;
         }
         let places = VertexPlaces {
