@@ -59,17 +59,17 @@ struct Bounds {
 const BOUNDS: [Bounds; 3] = [
     Bounds {
         name: "parrot",
-        quiet: [(2.2, 0.52), (0.78, 0.17)],
-        stretch: (3.38, [(1.0, 0.18), (0.3, 0.05)]),
+        quiet: [(1.41, 0.5), (0.58, 0.2)],
+        stretch: (3.38, [(0.73, 0.2), (0.24, 0.06)]),
     },
     Bounds {
         name: "eagle",
-        quiet: [(2.75, 0.08), (0.91, 0.04)],
+        quiet: [(2.75, 0.08), (1.17, 0.05)],
         stretch: (4.05, [(2.5, 0.06), (0.8, 0.03)]),
     },
     Bounds {
         name: "owl",
-        quiet: [(3.26, 0.18), (0.91, 0.06)],
+        quiet: [(3.8, 0.3), (1.29, 0.1)],
         stretch: (4.05, [(2.92, 0.53), (1.35, 0.31)]),
     },
 ];
@@ -82,6 +82,7 @@ const PAINTED: f32 = 0.2;
 #[test]
 fn few_pixels_show_a_feather_that_another_should_cover() {
     let usual = FeatherSettings::default().order_window;
+    let mut failures = Vec::new();
     for bounds in BOUNDS {
         let name = bounds.name;
         let (bird, coat) = groomed(name);
@@ -104,19 +105,17 @@ fn few_pixels_show_a_feather_that_another_should_cover() {
                     found.painted()
                 );
                 assert!(found.feathers > 20_000, "{name}: {found:?}");
-                assert!(
-                    found.wrong() < wrong,
-                    "{name}, {what}: {:.2} %",
-                    found.wrong()
-                );
-                assert!(
-                    found.color() < color,
-                    "{name}, {what}: {:.2} %",
-                    found.color()
-                );
+                if found.wrong() >= wrong || found.color() >= color {
+                    failures.push(format!(
+                        "{name}, {what}, window {window}: {:.2} %, {:.2} %; below {wrong}, {color}",
+                        found.wrong(),
+                        found.color()
+                    ));
+                }
                 assert!(found.painted() < PAINTED, "{name}: {found:?}");
             }
             assert!(quiet.all.flicker() < FLICKER[open], "{name}: {quiet:?}");
         }
     }
+    assert!(failures.is_empty(), "{failures:#?}");
 }
