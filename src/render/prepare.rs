@@ -292,10 +292,12 @@ fn prepare_materials(
         let lod = vec![0u8; 4 * cards.cards.len()];
         let patches = pack_patches(&cards.geometry);
         let skin = skin.and_then(|skin| meshes.get(skins.get(skin.parent()).ok()?));
-        let skin_vertices = skin.map_or(0, Mesh::count_vertices);
+        let measured = skin.map_or(0, |skin| {
+            16 * (MEASURED * cards.cards.len() as u64 + skin.count_vertices() as u64)
+        });
         let bytes = CardBytes {
             cards: (records.len() + lod.len() + patches.len()) as u64,
-            measured: 16 * (MEASURED * cards.cards.len() as u64 + skin_vertices as u64),
+            measured,
             mesh: (mesh.id(), meshes.get(mesh.id()).map_or(0, mesh_bytes)),
         };
         work.materials += 1;
@@ -377,9 +379,11 @@ fn measure_memory(
         meshes.extend([bytes.mesh]);
     }
     now.meshes = meshes.values().sum();
-    // What all birds share while their cards are classified.
+    // What all birds with a skin share while their cards are classified.
     let most = sizes.iter().map(|bytes| bytes.measured).max();
-    now.cards += most.map_or(0, |most| GRID_BYTES + most);
+    now.cards += most
+        .filter(|most| *most > 0)
+        .map_or(0, |most| GRID_BYTES + most);
     memory.set_if_neq(now);
 }
 

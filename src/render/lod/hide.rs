@@ -20,8 +20,10 @@ pub const NOTHING: u32 = u32::MAX;
 pub const GRID: u64 = 256;
 /// First texel in the buffer of counters, bounds and texels.
 const FIRST_TEXEL: u64 = 16;
-/// Bytes of that buffer.
-pub const GRID_BYTES: u64 = 4 * (FIRST_TEXEL + GRID * GRID);
+/// Bytes of that buffer without its texels.
+pub const COUNTER_BYTES: u64 = 4 * FIRST_TEXEL;
+/// Bytes of it whole.
+pub const GRID_BYTES: u64 = COUNTER_BYTES + 4 * GRID * GRID;
 /// vec4s that are kept of a card while the pass runs.
 pub const MEASURED: u64 = 2;
 

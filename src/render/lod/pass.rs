@@ -7,7 +7,7 @@ use super::{
         wind::Motion,
     },
     CARD_COUNTERS, CardPatches,
-    hide::{GRID, GRID_BYTES, MEASURED, Meshes, NOTHING, VertexPlaces},
+    hide::{COUNTER_BYTES, GRID, GRID_BYTES, MEASURED, Meshes, NOTHING, VertexPlaces},
     skin::{Skin, SkinBuffers, SkinParams, SkinPipelines, SkinQuery},
 };
 use crate::{
@@ -76,7 +76,7 @@ pub struct LodBirds {
     lights: [Vec4; VERTEX_LIGHTS],
     params: DynamicUniformBuffer<LodParams>,
     skin_params: DynamicUniformBuffer<SkinParams>,
-    /// Counters of the classes, then bounds and depths of the bird at hand.
+    /// Counters of the classes and bounds, then depths of the bird at hand where a skin may hide its cards.
     grid: Buffer,
     /// What is kept of the cards and of the skin of the bird at hand.
     measured: Buffer,
@@ -92,15 +92,20 @@ fn measured_buffer(device: &RenderDevice, rows: u64) -> Buffer {
     })
 }
 
+/// Counters, bounds and texels.
+fn grid_buffer(device: &RenderDevice, bytes: u64) -> Buffer {
+    device.create_buffer(&BufferDescriptor {
+        label: Some("feather_grid"),
+        size: bytes,
+        usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
 impl FromWorld for LodBirds {
     fn from_world(world: &mut World) -> Self {
         let device = world.resource::<RenderDevice>();
-        let grid = device.create_buffer(&BufferDescriptor {
-            label: Some("feather_grid"),
-            size: GRID_BYTES,
-            usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let grid = grid_buffer(device, COUNTER_BYTES);
         let measured = measured_buffer(device, 0);
         Self {
             birds: Vec::new(),
@@ -323,6 +328,10 @@ pub fn prepare_lod_bind_groups(
     }
     if measured.size() < 16 * rows {
         *measured = measured_buffer(&device, rows);
+    }
+    // Texels are there from the first skin on that may hide anything.
+    if rows > 0 && grid.size() < GRID_BYTES {
+        *grid = grid_buffer(&device, GRID_BYTES);
     }
     params.write_buffer(&device, &queue);
     skin_params.write_buffer(&device, &queue);
