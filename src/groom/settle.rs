@@ -6,7 +6,7 @@
 //! and half by the lower. Lifting only the upper would part each pair at once, but where feathers overlap from head to tail the
 //! lifts add up without end. The skin is the floor.
 //!
-//! What can be seen comes first. Small pictures from many sides ([`super::seen`]) say which vertices lie uppermost or next to it; of
+//! What can be seen comes first. Small pictures from many sides (module `seen`) say which vertices lie uppermost or next to it; of
 //! feathers that are buried only those are kept apart that something seen lies over, so that a pile where the wing folds does not
 //! grow thicker than it must. Then the coat is looked at again, a few times, and what should be seen is drawn over all that hides it.
 //!
