@@ -5,7 +5,7 @@ use bevy::{
     camera::{RenderTarget, visibility::RenderLayers},
     core_pipeline::prepass::DepthPrepass,
     prelude::*,
-    render::render_resource::TextureFormat,
+    render::render_resource::{Face, TextureFormat},
 };
 use bevy_plumage::{CARD_COUNTERS, prelude::*};
 use plumage_tests::{
@@ -197,7 +197,8 @@ fn cameras_do_not_disturb_each_other() {
     assert_eq!(rms(&alone, &together), 0.0);
 }
 
-/// What the skin does not hide is drawn: a skin that is transparent, unseen or not for this camera, feathers that move, a mirror.
+/// What the skin does not hide is drawn: a skin that is transparent, of glass, seen from within, or not for this camera, feathers that
+/// move, a mirror.
 #[test]
 fn only_an_opaque_skin_that_is_drawn_hides() {
     let Some(mut ball) = ball() else {
@@ -208,16 +209,24 @@ fn only_an_opaque_skin_that_is_drawn_hides() {
     let usual = ball.hidden();
     assert!(usual > 40, "{usual}");
     let skin = ball.skin.clone();
-    let fade = |ball: &mut Ball, mode: AlphaMode| {
+    let paint = |ball: &mut Ball, change: fn(&mut StandardMaterial)| {
         let world = ball.stage.app.world_mut();
         let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
-        materials.get_mut(&skin).unwrap().alpha_mode = mode;
+        change(&mut materials.get_mut(&skin).unwrap());
         frames(&mut ball.stage, 3);
+        ball.hidden()
     };
-    fade(&mut ball, AlphaMode::Blend);
-    assert_eq!(ball.hidden(), 0, "a transparent skin hides");
-    fade(&mut ball, AlphaMode::Opaque);
-    assert_eq!(ball.hidden(), usual);
+    let hidden = paint(&mut ball, |skin| skin.alpha_mode = AlphaMode::Blend);
+    assert_eq!(hidden, 0, "a transparent skin hides");
+    let hidden = paint(&mut ball, |skin| skin.alpha_mode = AlphaMode::Opaque);
+    assert_eq!(hidden, usual);
+    let hidden = paint(&mut ball, |skin| skin.cull_mode = Some(Face::Front));
+    assert_eq!(hidden, 0, "a skin hides by faces that are not drawn");
+    paint(&mut ball, |skin| skin.cull_mode = Some(Face::Back));
+    let hidden = paint(&mut ball, |skin| skin.specular_transmission = 0.5);
+    assert_eq!(hidden, 0, "a skin of glass hides");
+    let hidden = paint(&mut ball, |skin| skin.specular_transmission = 0.0);
+    assert_eq!(hidden, usual);
     let (entity, camera) = (ball.entity, ball.stage.camera);
     let change = |ball: &mut Ball, change: &dyn Fn(&mut World)| {
         change(ball.stage.app.world_mut());

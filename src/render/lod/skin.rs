@@ -50,7 +50,10 @@ impl Skin {
     ) -> Option<Self> {
         let (entity, mesh, material, transform) = skins.get(cards?.parent()).ok()?;
         let material = materials.get(material.id())?;
-        (material.alpha_mode == AlphaMode::Opaque).then(|| Self {
+        let hides = material.alpha_mode == AlphaMode::Opaque
+            && material.specular_transmission == 0.0
+            && material.cull_mode != Some(Face::Front);
+        hides.then(|| Self {
             entity: entity.into(),
             mesh: mesh.id(),
             one_sided: material.cull_mode == Some(Face::Back),

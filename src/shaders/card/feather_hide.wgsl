@@ -20,7 +20,10 @@ fn is_hidden(index: u32) -> bool {
     let at = index * lods::MEASURED;
     let bounds = clamp(lods::measured[at], vec4(-1.0), vec4(1.0));
     let nearest = bitcast<u32>(max(lods::measured[at + 1u].x, 0.0));
-    let place = lods::texels();
+    let place = lods::texels(vec4(
+        atomicLoad(&lods::grid[lods::BOUNDS]), atomicLoad(&lods::grid[lods::BOUNDS + 1u]),
+        atomicLoad(&lods::grid[lods::BOUNDS + 2u]), atomicLoad(&lods::grid[lods::BOUNDS + 3u]),
+    ));
     // One texel more all round: the skin has to cover the texels about the card's own, too, for what is known of each is its middle.
     let low = max(floor((bounds.xy - place.xy) * place.zw) - 1.0, vec2(0.0));
     let high = min(ceil((bounds.zw - place.xy) * place.zw) + 1.0, vec2(f32(lods::GRID)));

@@ -33,7 +33,7 @@ const NOTHING: u32 = 0xffffffffu;
 
 // Texels of the grid over a bird's place on the screen, along a side.
 const GRID: u32 = 256u;
-// In `grid`: one counter for each class, four bounds (see `bound_at`), then the texels: depth of the nearest skin.
+// In `grid`: one counter for each class, four bounds (see `bound_at`, `texels`), then the texels: depth of the nearest skin.
 const BOUNDS: u32 = 8u;
 const FIRST_TEXEL: u32 = 16u;
 // vec4s that are kept of a card: its bounds on the screen, and its nearest depth; in normalized device coordinates. Behind those of all
@@ -51,6 +51,7 @@ const MEASURED: u32 = 2u;
 @group(0) @binding(7) var<storage, read> patches: array<vec2<u32>>;
 @group(0) @binding(8) var<storage, read> vertices: array<u32>;
 @group(0) @binding(9) var<storage, read_write> measured: array<vec4<f32>>;
+
 fn card_count() -> u32 {
     return min(params.card_count, min(arrayLength(&lod), arrayLength(&cards) / data::CARD_LENGTH));
 }
@@ -75,13 +76,8 @@ fn bound_at(coordinate: f32, sign: f32) -> u32 {
     return u32(clamp(0.5 + 0.5 * sign * coordinate, 0.0, 1.0) * 16777215.0);
 }
 
-fn bound_of(index: u32, sign: f32) -> f32 {
-    return sign * (f32(atomicLoad(&grid[BOUNDS + index])) / 16777215.0 * 2.0 - 1.0);
-}
-
-// From the screen to texels: their origin, and how many there are of them.
-fn texels() -> vec4<f32> {
-    let low = vec2(bound_of(0u, -1.0), bound_of(1u, -1.0));
-    let high = vec2(bound_of(2u, 1.0), bound_of(3u, 1.0));
-    return vec4(low, f32(GRID) / max(high - low, vec2(1e-6)));
+// From the screen to texels: their origin, and how many there are of them; `bounds`: as `bound_at` makes them, of low and high.
+fn texels(bounds: vec4<u32>) -> vec4<f32> {
+    let place = vec4(-1.0, -1.0, 1.0, 1.0) * (vec4<f32>(bounds) / 16777215.0 * 2.0 - 1.0);
+    return vec4(place.xy, f32(GRID) / max(place.zw - place.xy, vec2(1e-6)));
 }

@@ -1,6 +1,6 @@
 // The skin of a bird as a grid of depths: its vertices on the screen, then its triangles (see `feather_hide`).
 #import bevy_render::view::View
-#import bevy_plumage::feather_lod_bindings::{BOUNDS, FIRST_TEXEL, GRID}
+#import bevy_plumage::feather_lod_bindings::{BOUNDS, FIRST_TEXEL, GRID, NOTHING, texels}
 
 struct SkinParams {
     world_from_local: mat4x4<f32>,
@@ -22,7 +22,6 @@ struct SkinParams {
     first_measured: u32,
 }
 
-const NOTHING: u32 = 0xffffffffu;
 // Most texels under a triangle.
 const MOST_TEXELS: f32 = 4096.0;
 
@@ -79,10 +78,6 @@ fn corner(index: u32) -> vec4<f32> {
     return measured[min(slot, arrayLength(&measured) - 1u)];
 }
 
-fn bound_of(index: u32, sign: f32) -> f32 {
-    return sign * (f32(atomicLoad(&grid[BOUNDS + index])) / 16777215.0 * 2.0 - 1.0);
-}
-
 fn turn(a: vec2<f32>, b: vec2<f32>) -> f32 {
     return a.x * b.y - a.y * b.x;
 }
@@ -99,11 +94,12 @@ fn draw(@builtin(global_invocation_id) id: vec3<u32>) {
     if (min(min(a.w, b.w), c.w) < 1.0 || area == 0.0 || (area < 0.0 && params.one_sided != 0u)) {
         return;
     }
-    let origin = vec2(bound_of(0u, -1.0), bound_of(1u, -1.0));
-    let scale = f32(GRID) / max(vec2(bound_of(2u, 1.0), bound_of(3u, 1.0)) - origin, vec2(1e-6));
-    let p = (a.xy - origin) * scale;
-    let q = (b.xy - origin) * scale;
-    let r = (c.xy - origin) * scale;
+    let place = texels(vec4(
+        atomicLoad(&grid[BOUNDS]), atomicLoad(&grid[BOUNDS + 1u]), atomicLoad(&grid[BOUNDS + 2u]), atomicLoad(&grid[BOUNDS + 3u]),
+    ));
+    let p = (a.xy - place.xy) * place.zw;
+    let q = (b.xy - place.xy) * place.zw;
+    let r = (c.xy - place.xy) * place.zw;
     let low = max(floor(min(min(p, q), r) - 0.5), vec2(0.0));
     let high = min(ceil(max(max(p, q), r) + 0.5), vec2(f32(GRID)));
     let size = high - low;

@@ -103,14 +103,12 @@ impl<'a> Builder<'a> {
             "greater_coverts" => Span(810., 825.),
             "median_primary" => Span(909., 900.),
             "median_secondary" => Span(910., 925.),
-            "lesser_1" => Span(930., 945.),
-            "lesser_2" => Span(950., 965.),
-            "lesser_3" => Span(970., 985.),
-            "lesser_4" => Span(990., 1005.),
-            "lesser_5" => Span(1010., 1025.),
             "under_primary" | "under_secondary" => Span(800., 820.),
             "axillaries" => Span(950., 960.),
-            _ => Span(900., 920.),
+            name => match lesser(name) {
+                Some(number) => Span(910. + 20. * number, 925. + 20. * number),
+                None => Span(900., 920.),
+            },
         };
         let mut row = Row::new(look.name, lengths, stations);
         row.feather = template(self.species, look.feather);
@@ -233,8 +231,8 @@ impl<'a> Builder<'a> {
                 )
             }
             // Rows that spread from the wrist over the patagium, the first along the ulna, the last next to the leading edge.
-            "lesser_1" | "lesser_2" | "lesser_3" | "lesser_4" | "lesser_5" => {
-                let number = name.trim_start_matches("lesser_").parse().unwrap_or(1.0);
+            _ if lesser(name).is_some() => {
+                let number = lesser(name).unwrap_or(1.0);
                 let (across, along) = ((number - 0.8) / 5.0, 0.06 + 0.92 * t);
                 let [shoulder, elbow, wrist, ..] = self.bind.points;
                 let at_shoulder = across * along;
@@ -450,6 +448,11 @@ impl<'a> Builder<'a> {
         }
         out
     }
+}
+
+/// Number of a row of lesser coverts, `lesser_1` next to the ulna.
+fn lesser(name: &str) -> Option<f32> {
+    name.strip_prefix("lesser_")?.parse().ok()
 }
 
 fn ramp(ends: (f32, f32), n: usize) -> Vec<f32> {
