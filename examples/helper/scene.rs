@@ -223,7 +223,7 @@ fn start_idle(
     }
 }
 
-/// In the view by card numbers, bill, eyes, feet and bare skin are magenta: what is neither they nor feathers is not the bird.
+/// In the view by card numbers, bill, eyes, feet and bare skin are black: neither feathers nor what lies behind the bird.
 fn mark_bodies(
     ready: On<WorldInstanceReady>,
     args: Res<Args>,
@@ -237,12 +237,9 @@ fn mark_bodies(
     }
     for body in bodies.iter_many(children.iter_descendants(ready.entity)) {
         if let Some(mut material) = materials.get_mut(&body.0) {
-            material.base_color = MARK;
+            material.base_color = Color::BLACK;
             material.base_color_texture = None;
             material.unlit = true;
         }
     }
 }
-
-/// Outshines the dark skin below feathers, whose vertices carry colors.
-const MARK: Color = Color::linear_rgb(20.0, 0.0, 20.0);

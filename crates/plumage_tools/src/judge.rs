@@ -12,6 +12,9 @@ const SPECKS: f32 = 5.0;
 /// How far a speck stands out, share of the median around it.
 const STANDS_OUT: f32 = 0.12;
 
+/// Brightest that the view by card numbers shows where there are no feathers, 0..1.
+const UNFEATHERED: f32 = 0.1;
+
 /// Which bird is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Species {
@@ -60,7 +63,10 @@ pub struct Subject {
     height: usize,
     /// Shown values, sRGB 0..1.
     pixels: Vec<[f32; 3]>,
+    /// Where the bird is.
     mask: Vec<bool>,
+    /// Where its feathers are: not bill, eyes, feet and bare skin.
+    feathers: Vec<bool>,
 }
 
 /// Hue in degrees, saturation and value.
@@ -96,7 +102,7 @@ fn median(mut values: Vec<f32>) -> f32 {
 }
 
 impl Subject {
-    /// Of bytes RGB. The bird is what a view by card numbers (bill and skin marked), of the same camera, colors otherwise than `picture`.
+    /// Of bytes RGB. The bird is what a view by card numbers (bill, eyes, feet and bare skin black) of the same camera colors otherwise than `picture`.
     pub fn new(picture: &[u8], cards: &[u8], width: usize) -> Self {
         let shown = |bytes: &[u8]| -> Vec<[f32; 3]> {
             let pixels = bytes.chunks_exact(3);
@@ -110,12 +116,18 @@ impl Subject {
             .zip(&cards)
             .map(|(a, b)| (0..3).any(|c| (a[c] - b[c]).abs() > 0.02))
             .collect();
+        let feathers = mask
+            .iter()
+            .zip(&cards)
+            .map(|(bird, card)| *bird && card.iter().any(|c| *c > UNFEATHERED))
+            .collect();
         let height = pixels.len() / width.max(1);
         Self {
             width,
             height,
             pixels,
             mask,
+            feathers,
         }
     }
 
@@ -204,7 +216,7 @@ impl Subject {
         let rows = top + tall / 4..top + tall / 2;
         rows.flat_map(|y| {
             let row: Vec<usize> = (y * self.width..(y + 1) * self.width)
-                .filter(|i| self.mask[*i])
+                .filter(|i| self.feathers[*i])
                 .collect();
             let n = row.len();
             row.get(n / 3..2 * n / 3).unwrap_or_default().to_vec()
@@ -289,9 +301,9 @@ impl Subject {
         let (macaw, eagle) = (species == Species::Macaw, species == Species::Eagle);
         let body = self.body();
         let edges = self.extent(&body);
-        let count = self.mask.iter().filter(|m| **m).count().max(1) as f32;
+        let count = self.feathers.iter().filter(|m| **m).count().max(1) as f32;
         let share = |of: &dyn Fn([f32; 3]) -> bool| {
-            let inside = (0..self.mask.len()).filter(|i| self.mask[*i]);
+            let inside = (0..self.feathers.len()).filter(|i| self.feathers[*i]);
             100.0 * inside.filter(|i| of(self.pixels[*i])).count() as f32 / count
         };
         let stray = (0..body.len()).filter(|i| self.mask[*i] && !body[*i]);
@@ -309,7 +321,7 @@ impl Subject {
             };
             line(
                 3,
-                "yellow of the wing, % of the bird",
+                "yellow of the wing, % of the feathers",
                 share(&yellow),
                 (3.0, 12.0),
             );
@@ -361,13 +373,13 @@ impl Subject {
                 let [h, s, v] = hsv(p);
                 (25.0..75.0).contains(&h) && s > 0.3 && (0.15..0.5).contains(&v)
             };
-            line(6, "olive, % of the bird", share(&olive), (0.0, 0.2));
+            line(6, "olive, % of the feathers", share(&olive), (0.0, 0.2));
         }
         let mauve = |p: [f32; 3]| {
             let [h, s, v] = hsv(p);
             (270.0..345.0).contains(&h) && s > 0.25 && v > 0.15
         };
-        line(6, "mauve, % of the bird", share(&mauve), (0.0, 0.2));
+        line(6, "mauve, % of the feathers", share(&mauve), (0.0, 0.2));
         if view == View::Front && (macaw || eagle) {
             let wanted = if macaw {
                 [0.040, 0.039, 0.046, 0.053]
@@ -386,7 +398,7 @@ impl Subject {
             }
         }
         let clipped = share(&|p| p.iter().any(|c| *c >= 254.5 / 255.0));
-        line(9, "clipped, % of the bird", clipped, (0.0, 0.5));
+        line(9, "clipped, % of the feathers", clipped, (0.0, 0.5));
         lines
     }
 }

@@ -101,3 +101,27 @@ fn two_birds_are_measured_apart() {
     let pair = Subject::new(&beside(&single), &beside(&cards), 2 * WIDTH);
     assert_eq!(width(pair.judge(Species::Macaw, View::Back)), one);
 }
+
+#[test]
+fn feet_and_bill_are_the_bird_but_not_its_feathers() {
+    let (mut picture, mut cards) = bird([205, 52, 36]);
+    // An olive bill that sticks out of the body, black in the view by card numbers.
+    for y in 40..50 {
+        for x in 60..75 {
+            let at = 3 * (y * WIDTH + x);
+            picture[at..at + 3].copy_from_slice(&[90, 70, 30]);
+            cards[at..at + 3].copy_from_slice(&[0, 0, 0]);
+        }
+    }
+    let lines = found(&picture, &cards, Species::Macaw, View::Front);
+    assert_eq!(failures(&lines, 6), 0, "{lines:?}");
+    assert_eq!(failures(&lines, 1), 0, "{lines:?}");
+    let slim = |lines: &[Line]| {
+        let line = lines.iter().find(|line| line.what == "width over height");
+        line.map(|line| line.found)
+    };
+    let (plain, plain_cards) = bird([205, 52, 36]);
+    let plain = found(&plain, &plain_cards, Species::Macaw, View::Back);
+    let billed = found(&picture, &cards, Species::Macaw, View::Back);
+    assert!(slim(&billed) > slim(&plain), "{billed:?}");
+}
