@@ -5,26 +5,22 @@ use super::{
     card::{Card, CardGeometry},
     drape::{Shape, drape, rise},
     error::GroomError,
-    fan::fan_transform,
     field::{Field, Follicle},
     lay::{arc_length, lay_field},
     layer,
     leaf::{Leaf, vary},
     mesh::build_mesh,
     order::order,
+    press::press,
     rows::{FanJoint, RowContext},
     scatter::scatter,
     select::select_triangles,
-    settle::settle,
     skin::{SkinMesh, SurfacePoint, Weights, blend_weights},
-    worn::{MAX_POSES, WornPoses},
+    worn::WornPoses,
 };
 use crate::asset::RonAsset;
 use crate::maths::seed::{Stream, name_hash, place_hash};
-use bevy::{
-    math::{Affine3A, Vec3},
-    mesh::Mesh,
-};
+use bevy::{math::Vec3, mesh::Mesh};
 use std::collections::HashMap;
 
 /// A bird to be feathered.
@@ -193,88 +189,6 @@ fn skin_root(skin: &SkinMesh, leaf: &Leaf) -> SurfacePoint {
             triangle: 0,
             bary: Vec3::X,
         })
-}
-
-/// Presses the feathers over each other in each of the poses that the groom says are worn, or in bind pose.
-fn press(
-    bird: &Bird,
-    groom: &Groom,
-    skinned: bool,
-    fans: &[FanJoint],
-    leaves: &mut [Leaf],
-) -> (WornPoses, f32) {
-    let poses = groom.poses.iter().filter(|_| skinned).take(MAX_POSES);
-    let mut worn: Vec<Vec<Affine3A>> = poses
-        .map(|pose| pose.skinning(&bird.joints, groom.unit))
-        .collect();
-    if worn.is_empty() {
-        worn.push(Vec::new());
-    }
-    let (mut reach, mut moved) = (0.0_f32, 0.0_f32);
-    for (number, body) in worn.iter().enumerate() {
-        let rows = fans
-            .iter()
-            .map(|fan| fan_transform(fan, body) * Affine3A::from_mat4(fan.inverse_bind()));
-        let skinning: Vec<Affine3A> = body.iter().copied().chain(rows).collect();
-        let heights = settle(leaves, &bird.skin, &skinning);
-        let mut rest = heights.as_slice();
-        for leaf in leaves.iter_mut() {
-            let (own, others) = rest.split_at(leaf.shaft.points.len() * (leaf.columns + 1));
-            rest = others;
-            let first = leaf.raised.iter().copied().chain(std::iter::repeat(0.0));
-            let all = own
-                .iter()
-                .zip(first)
-                .map(|(height, first)| (height + first).abs());
-            moved = all.fold(moved, f32::max);
-            match number {
-                0 => leaf.raised = own.to_vec(),
-                _ => leaf.raised_further.push(own.to_vec()),
-            }
-        }
-        if number > 0 {
-            reach = heights
-                .iter()
-                .fold(reach, |most, height| most.max(height.abs()));
-        }
-    }
-    let asked = asked(bird.joints.len(), fans, leaves);
-    (WornPoses::new(&worn, reach, &asked), moved)
-}
-
-/// For each joint of the body: squares of how far the heights of what it carries, alone or through rows, differ between the poses.
-fn asked(joints: usize, fans: &[FanJoint], leaves: &[Leaf]) -> Vec<f32> {
-    let mut sums = vec![0.0_f32; joints];
-    let mut add = |joint: u16, amount: f32| {
-        if let Some(sum) = sums.get_mut(usize::from(joint)) {
-            *sum += amount;
-        }
-    };
-    for leaf in leaves {
-        let wide = leaf.columns + 1;
-        for i in 0..leaf.shaft.points.len() {
-            let of_pose =
-                |heights: &Vec<f32>| heights[i * wide..][..wide].iter().map(|h| h * h).sum();
-            let square = leaf.raised_further.iter().map(of_pose).fold(0.0, f32::max);
-            let (own, weights) = leaf.weights_at(i);
-            for (joint, weight) in own.into_iter().zip(weights) {
-                let Some(fan) = usize::from(joint).checked_sub(joints) else {
-                    add(joint, weight * square);
-                    continue;
-                };
-                let Some(fan) = fans.get(fan) else { continue };
-                let follows = if fan.follow.is_empty() {
-                    &fan.ride
-                } else {
-                    &fan.follow
-                };
-                for (joint, share) in follows {
-                    add(*joint, weight * share * square);
-                }
-            }
-        }
-    }
-    sums
 }
 
 /// Smallest distance between two different layer keys of the regions, at most 1: the room that each has for its own order.
@@ -526,5 +440,7 @@ fn feather(
         columns: usize::from(region.segments.across),
         raised: Vec::new(),
         raised_further: Vec::new(),
+        windows: Vec::new(),
+        held: 0.0,
     }
 }

@@ -23,6 +23,10 @@ pub struct Leaf {
     pub raised: Vec<f32>,
     /// For each further pose: how much higher each vertex is there, along the normal of the raised card.
     pub raised_further: Vec<Vec<f32>>,
+    /// How far behind the nearest each vertex may lie and still be seen, widths of the card: in each pose, and last on the ways between.
+    pub windows: Vec<Vec<f32>>,
+    /// How far, 0..1, stiffer feathers over it hold it down in the first pose.
+    pub held: f32,
 }
 
 impl Leaf {
@@ -30,6 +34,11 @@ impl Leaf {
     pub fn weights_at(&self, i: usize) -> Weights {
         let weights = self.weights.get(i).or(self.weights.last());
         weights.copied().unwrap_or_default()
+    }
+
+    /// Number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.shaft.points.len() * (self.columns + 1)
     }
 
     /// Place of a vertex: column `j` of those across at point `i` of the shaft.

@@ -1,6 +1,7 @@
 //! The cards of one bird as one skinned mesh.
 
 use super::{card::CardGeometry, leaf::Leaf, worn::ATTRIBUTE_RAISED};
+use crate::maths::order::raised_pack;
 use bevy::{
     asset::RenderAssetUsages,
     math::Vec3,
@@ -12,7 +13,7 @@ use bevy::{
 /// Vertices, card after card: `POSITION`; `NORMAL` of the front face; `TANGENT`, the direction of the rachis, with w = -1 on a
 /// plain card and +1 on a mirrored one, so that `cross(normal, tangent) * w` points to +u; `UV_0` card uv (u from left to right
 /// seen from the front, tip up; v from root to tip); `UV_1` card number and layer rank 0..1; and, if the bird is skinned,
-/// `JOINT_INDEX` and `JOINT_WEIGHT`, and, where `reach` is above 0, [`ATTRIBUTE_RAISED`] in units of it. Triangles of higher layers come first, so that the depth test drops what they cover.
+/// `JOINT_INDEX` and `JOINT_WEIGHT`; and [`ATTRIBUTE_RAISED`], heights in units of `reach`. Triangles of higher layers come first, so that the depth test drops what they cover.
 pub fn build_mesh(leaves: &mut [Leaf], skinned: bool, reach: f32) -> (Mesh, Vec<CardGeometry>) {
     let count: usize = leaves
         .iter()
@@ -38,11 +39,9 @@ pub fn build_mesh(leaves: &mut [Leaf], skinned: bool, reach: f32) -> (Mesh, Vec<
     for (place, &leaf) in order.iter().enumerate() {
         rank[leaf] = 1.0 - (place as f32 + 0.5) / leaves.len() as f32;
     }
-    let mut raised: Vec<[i16; 4]> = Vec::new();
-    let further = |leaf: &Leaf, pose: usize, at: usize| {
-        let height = leaf.raised_further.get(pose).map_or(0.0, |list| list[at]);
-        (height / reach.max(f32::MIN_POSITIVE) * f32::from(i16::MAX)).round() as i16
-    };
+    let mut raised: Vec<[u16; 4]> = Vec::with_capacity(count);
+    let of_pose =
+        |lists: &[Vec<f32>], pose: usize, at: usize| lists.get(pose).map_or(0.0, |list| list[at]);
     for (number, leaf) in leaves.iter_mut().enumerate() {
         let first = positions.len();
         let rows = leaf.shaft.points.len();
@@ -69,7 +68,13 @@ pub fn build_mesh(leaves: &mut [Leaf], skinned: bool, reach: f32) -> (Mesh, Vec<
                 ids.push([number as f32, rank[number]]);
                 joints.push(joint);
                 weights.push(weight);
-                raised.push(std::array::from_fn(|k| further(leaf, k, at)));
+                let further =
+                    |k| of_pose(&leaf.raised_further, k, at) / reach.max(f32::MIN_POSITIVE);
+                raised.push(raised_pack(
+                    std::array::from_fn(further),
+                    std::array::from_fn(|k| of_pose(&leaf.windows, k, at)),
+                    leaf.held,
+                ));
             }
         }
         let wide = leaf.columns + 1;
@@ -123,9 +128,7 @@ pub fn build_mesh(leaves: &mut [Leaf], skinned: bool, reach: f32) -> (Mesh, Vec<
         );
         mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
     }
-    if reach > 0.0 {
-        mesh.insert_attribute(ATTRIBUTE_RAISED, VertexAttributeValues::Snorm16x4(raised));
-    }
+    mesh.insert_attribute(ATTRIBUTE_RAISED, VertexAttributeValues::Uint16x4(raised));
     mesh.insert_indices(Indices::U32(indices));
     (mesh, geometry)
 }

@@ -301,6 +301,8 @@ impl RowContext<'_> {
             columns,
             raised: Vec::new(),
             raised_further: Vec::new(),
+            windows: Vec::new(),
+            held: 0.0,
         };
         (
             leaf,

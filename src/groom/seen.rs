@@ -9,10 +9,12 @@ use super::{
     contact::{Contact, GAP, Spot, Stands, blade, raise},
     leaf::Leaf,
 };
+use crate::maths::order::{WINDOW_MOST, order_reach};
 use bevy::{
     math::{Vec2, Vec3},
     tasks::{ComputeTaskPool, TaskPool},
 };
+use std::ops::Range;
 
 /// Pictures at a time.
 const EYES: usize = 16;
@@ -29,6 +31,17 @@ const HELD: f32 = 0.1;
 const PILE: usize = 12;
 /// Feathers below each other that count as seen: where the coat moves a little, the next shows.
 const DEPTH: usize = 3;
+
+/// What is added to a window, widths.
+const MARGIN: f32 = 0.02;
+
+/// Share in a place of a vertex below which its window is not asked for there.
+const LITTLE: f32 = 0.12;
+/// Pixels of a round or few that do not open the window of a vertex.
+const FEW: usize = 0;
+
+/// How much stiffer a feather is that holds another down.
+const STIFFER: f32 = 0.25;
 
 /// A feather at a pixel.
 #[derive(Clone, Copy)]
@@ -128,11 +141,13 @@ impl Frame {
             return;
         }
         let over = 1.0 / area;
-        for y in low.y as usize..=high.y as usize {
-            for x in low.x as usize..=high.x as usize {
+        let (of_u, of_v) = ((b - c).truncate() * over, (c - a).truncate() * over);
+        // Half-open ranges: inclusive ones are slow here where little is inlined.
+        for y in low.y as usize..high.y as usize + 1 {
+            for x in low.x as usize..high.x as usize + 1 {
                 let p = Vec2::new(x as f32, y as f32);
-                let u = (b.truncate() - p).perp_dot(c.truncate() - p) * over;
-                let v = (c.truncate() - p).perp_dot(a.truncate() - p) * over;
+                let u = of_u.perp_dot(c.truncate() - p);
+                let v = of_v.perp_dot(a.truncate() - p);
                 let w = 1.0 - u - v;
                 if u >= 0.0 && v >= 0.0 && w >= 0.0 {
                     visit(y * self.wide + x, a.z * u + b.z * v + c.z * w, [u, v]);
@@ -209,13 +224,8 @@ impl Seen<'_> {
         }
     }
 
-    fn picture(
-        &self,
-        frame: &Frame,
-        points: &[Vec3],
-        stands: &Stands,
-        heights: &[f32],
-    ) -> (Vec<(f32, Contact)>, Vec<u32>) {
+    /// Fragments of a picture that lie near the nearest of their pixel, pixel by pixel, the nearest first.
+    fn fragments(&self, frame: &Frame, points: &[Vec3]) -> Vec<Fragment> {
         let count = frame.wide * frame.high;
         let mut nearest = vec![f32::NEG_INFINITY; count];
         for triangle in self.body {
@@ -225,17 +235,17 @@ impl Seen<'_> {
         }
         let wall = nearest.clone();
         let projected: Vec<Vec3> = points.iter().map(|p| frame.project(*p)).collect();
-        self.draw(frame, &projected, points, |fragment| {
-            let nearest = &mut nearest[fragment.pixel as usize];
-            *nearest = nearest.max(fragment.near);
-        });
         let mut found = Vec::new();
         self.draw(frame, &projected, points, |fragment| {
             let pixel = fragment.pixel as usize;
-            let reach = (REACH + HELD) * self.leaves[fragment.leaf as usize].card.width;
-            if fragment.near > wall[pixel] && nearest[pixel] - fragment.near < reach {
+            if fragment.near > wall[pixel] {
+                nearest[pixel] = nearest[pixel].max(fragment.near);
                 found.push(fragment);
             }
+        });
+        found.retain(|fragment: &Fragment| {
+            let reach = (REACH + HELD) * self.leaves[fragment.leaf as usize].card.width;
+            nearest[fragment.pixel as usize] - fragment.near < reach
         });
         found.sort_unstable_by(|a: &Fragment, b| {
             let pixel = a.pixel.cmp(&b.pixel);
@@ -243,6 +253,146 @@ impl Seen<'_> {
                 .then(b.near.total_cmp(&a.near))
                 .then(a.leaf.cmp(&b.leaf))
         });
+        found
+    }
+
+    /// Windows, widths of the leaf, for each vertex: of what should be seen in these rounds of pictures and is not, as far as that
+    /// takes.
+    pub fn windows(&self, heights: &[f32], rounds: Range<usize>) -> Vec<f32> {
+        let points = &self.carried.raised(heights);
+        let stands = &Stands::new(self.carried, points);
+        let pool = ComputeTaskPool::get_or_init(TaskPool::default);
+        let eyes = rounds.flat_map(|round| (0..EYES).map(move |number| eye(number, round)));
+        let parts = pool.scope(|scope| {
+            for eye in eyes {
+                scope.spawn(async move {
+                    let frame = Frame::new(eye, points, self.carried.median);
+                    let found = self.fragments(&frame, points);
+                    let pixels = found.chunk_by(|a, b| a.pixel == b.pixel);
+                    let needs = pixels.filter_map(|list| self.need(list, stands));
+                    needs.collect::<Vec<_>>()
+                });
+            }
+        });
+        let mut needs: Vec<(u32, f32)> = Vec::new();
+        for (spot, need) in parts.into_iter().flatten() {
+            let near = spot.into_iter().filter(|(_, share)| *share > LITTLE);
+            needs.extend(near.map(|(i, _)| (i, need)));
+        }
+        needs.sort_unstable_by(|(i, a), (j, b)| i.cmp(j).then(b.total_cmp(a)));
+        let mut windows = vec![0.0; points.len()];
+        for list in needs.chunk_by(|(i, _), (j, _)| i == j) {
+            // A pixel or two are not worth it.
+            if let Some((i, need)) = list.get(FEW) {
+                windows[*i as usize] = *need;
+            }
+        }
+        windows
+    }
+
+    /// How far, 0..1, stiffer leaves hold each down at a round of pictures: the share of it that they cover; all of it if it lies too deep
+    /// to be seen.
+    pub fn held(&self, heights: &[f32], round: usize, stiffness: &[f32]) -> Vec<f32> {
+        let points = &self.carried.raised(heights);
+        let stands = &Stands::new(self.carried, points);
+        let stiff = &|leaf: u32| {
+            let region = usize::from(self.leaves[leaf as usize].card.region);
+            stiffness.get(region).copied().unwrap_or(0.0)
+        };
+        let pool = ComputeTaskPool::get_or_init(TaskPool::default);
+        let parts = pool.scope(|scope| {
+            for number in 0..EYES {
+                scope.spawn(async move {
+                    let frame = Frame::new(eye(number, round), points, self.carried.median);
+                    let found = self.fragments(&frame, points);
+                    let mut covered = Vec::new();
+                    for list in found.chunk_by(|a, b| a.pixel == b.pixel) {
+                        for own in list.iter().filter(|own| own.facing > 0.0) {
+                            let over = |other: &&Fragment| {
+                                let [a, b] =
+                                    [own, *other].map(|f| &self.leaves[f.leaf as usize].card);
+                                other.facing > 0.0
+                                    && b.layer > a.layer
+                                    && stiff(other.leaf) > stiff(own.leaf) + STIFFER
+                                    && (other.near - own.near).abs() < REACH * a.width.min(b.width)
+                                    && stands.related(self.leaves, own.leaf, other.leaf)
+                            };
+                            covered.push((own.leaf, list.iter().any(|other| over(&other))));
+                        }
+                    }
+                    covered
+                });
+            }
+        });
+        let mut counts = vec![(0_u32, 0_u32); self.leaves.len()];
+        for (leaf, covered) in parts.into_iter().flatten() {
+            let (all, under) = &mut counts[leaf as usize];
+            *all += 1;
+            *under += u32::from(covered);
+        }
+        counts
+            .iter()
+            .map(|(all, under)| {
+                if *all == 0 {
+                    1.0
+                } else {
+                    *under as f32 / *all as f32
+                }
+            })
+            .collect()
+    }
+
+    /// The place that should be seen at a pixel, and the window that this takes; none if it is seen without, or never.
+    fn need(&self, list: &[Fragment], stands: &Stands) -> Option<(Spot, f32)> {
+        let shown = list.first().filter(|shown| shown.facing > 0.0)?;
+        let wanted = self.wanted(list, shown, stands);
+        if wanted.leaf == shown.leaf {
+            return None;
+        }
+        let block = &self.carried.blocks[wanted.leaf as usize];
+        let last = (block.rows - 1) as f32;
+        let width = self.leaves[wanted.leaf as usize].card.width;
+        let reach = wanted.spot().map(|(i, share)| {
+            let along = ((i as usize - block.first) / block.wide) as f32 / last;
+            share * order_reach(width, wanted.facing, along)
+        });
+        let unit: f32 = reach.iter().sum();
+        let need = (shown.near - wanted.near) / unit + MARGIN;
+        (need <= WINDOW_MOST).then_some((wanted.spot(), need))
+    }
+
+    /// The feather that should cover the nearest one of a pixel.
+    fn wanted<'b>(
+        &self,
+        list: &'b [Fragment],
+        shown: &'b Fragment,
+        stands: &Stands,
+    ) -> &'b Fragment {
+        let card = |fragment: &Fragment| &self.leaves[fragment.leaf as usize].card;
+        let front = shown.facing > 0.0;
+        let mut wanted = shown;
+        for other in list {
+            let width = card(shown).width.min(card(other).width);
+            if other.leaf != shown.leaf
+                && (other.facing > 0.0) == front
+                && (card(other).layer > card(wanted).layer) == front
+                && shown.near - other.near < REACH * width
+                && stands.related(self.leaves, shown.leaf, other.leaf)
+            {
+                wanted = other;
+            }
+        }
+        wanted
+    }
+
+    fn picture(
+        &self,
+        frame: &Frame,
+        points: &[Vec3],
+        stands: &Stands,
+        heights: &[f32],
+    ) -> (Vec<(f32, Contact)>, Vec<u32>) {
+        let found = self.fragments(frame, points);
         let (mut contacts, mut marks) = (Vec::new(), Vec::new());
         for list in found.chunk_by(|a, b| a.pixel == b.pixel) {
             self.part(
@@ -271,18 +421,7 @@ impl Seen<'_> {
         let card = |fragment: &Fragment| &self.leaves[fragment.leaf as usize].card;
         let front = shown.facing > 0.0;
         let over = |a: &Fragment, b: &Fragment| (card(a).layer > card(b).layer) == front;
-        let mut wanted = shown;
-        for other in &list[1..] {
-            let width = card(shown).width.min(card(other).width);
-            if other.leaf != shown.leaf
-                && (other.facing > 0.0) == front
-                && over(other, wanted)
-                && shown.near - other.near < REACH * width
-                && stands.related(self.leaves, shown.leaf, other.leaf)
-            {
-                wanted = other;
-            }
-        }
+        let wanted = self.wanted(list, shown, stands);
         let mut pile: Vec<&Fragment> = list
             .iter()
             .filter(|other| {

@@ -20,6 +20,7 @@ use super::{
     pose::blend,
     seen::Seen,
     skin::SkinMesh,
+    worn::MAX_POSES,
 };
 use bevy::math::{Affine3A, Vec3};
 
@@ -31,6 +32,8 @@ const ROUNDS: usize = 25;
 const LOOKS: usize = 3;
 /// Rounds of projection after each.
 const LOOK_ROUNDS: usize = 15;
+/// Times that it is looked at for what is still out of order.
+const WINDOW_LOOKS: usize = 2;
 /// Furthest that a vertex moves, in distances from the root: down, up.
 const RANGE: (f32, f32) = (-0.5, 0.6);
 /// What is added to both at the root and elsewhere, in median widths.
@@ -46,9 +49,19 @@ const SLOPE: f32 = 0.45;
 /// Last rounds that are not smoothed.
 const ROUGH: usize = 5;
 
-/// How much further all vertices rise along their normals, metres, so that the leaves lie in order in a pose (what every joint, those
-/// of rows included, does to bind pose; empty: bind pose). The same arguments give the same bytes.
-pub fn settle(leaves: &[Leaf], skin: &SkinMesh, pose: &[Affine3A]) -> Vec<f32> {
+/// What settling makes of the vertices of all leaves in one pose.
+pub struct Settled {
+    /// How much further each rises along its normal, metres.
+    pub heights: Vec<f32>,
+    /// How far behind the nearest each may lie and still be seen, widths of its leaf.
+    pub windows: Vec<f32>,
+    /// In the first pose: how far, 0..1, each leaf is held down by stiffer ones over it.
+    pub held: Vec<f32>,
+}
+
+/// Brings leaves into order in a pose (what every joint, those of rows included, does to bind pose; empty: bind pose). `stiffness`: of
+/// the regions and rows. The same arguments give the same bytes.
+pub fn settle(leaves: &[Leaf], skin: &SkinMesh, pose: &[Affine3A], stiffness: &[f32]) -> Settled {
     let carried = Carried::new(leaves, pose);
     let before: Vec<f32> = leaves.iter().flat_map(raised).collect();
     let (lows, highs) = limits(leaves, skin, &carried, &before);
@@ -60,7 +73,8 @@ pub fn settle(leaves: &[Leaf], skin: &SkinMesh, pose: &[Affine3A]) -> Vec<f32> {
         body: &body,
     };
     let (_, marks) = seen.look(&heights, LOOKS);
-    let searches = SEARCHES[usize::from(leaves.iter().any(|leaf| !leaf.raised.is_empty()))];
+    let further = leaves.iter().any(|leaf| !leaf.raised.is_empty());
+    let searches = SEARCHES[usize::from(further)];
     let round = |contacts: &[&[Contact]], rough: bool, heights: &mut Vec<f32>| {
         for contacts in contacts {
             project(contacts, heights, &lows, &highs);
@@ -86,7 +100,42 @@ pub fn settle(leaves: &[Leaf], skin: &SkinMesh, pose: &[Affine3A]) -> Vec<f32> {
             round(&lists, rough, &mut heights);
         }
     }
-    heights
+    let windows = seen.windows(&heights, LOOKS..LOOKS + WINDOW_LOOKS);
+    let held = match further {
+        true => Vec::new(),
+        false => seen.held(&heights, LOOKS, stiffness),
+    };
+    Settled {
+        heights,
+        windows,
+        held,
+    }
+}
+
+/// Windows for what is out of order in a pose between those that the leaves were settled in. `shares`: of those in it; `round`: of
+/// the sides that it is looked at from.
+pub fn open_windows(
+    leaves: &[Leaf],
+    skin: &SkinMesh,
+    pose: &[Affine3A],
+    shares: &[f32; MAX_POSES],
+    round: usize,
+) -> Vec<f32> {
+    let carried = Carried::new(leaves, pose);
+    let mut heights = Vec::with_capacity(carried.places.len());
+    for leaf in leaves {
+        for at in 0..leaf.vertex_count() {
+            let further = leaf.raised_further.iter().zip(&shares[1..]);
+            heights.push(further.map(|(list, share)| list[at] * share).sum());
+        }
+    }
+    let body = posed(skin, pose);
+    let seen = Seen {
+        leaves,
+        carried: &carried,
+        body: &body,
+    };
+    seen.windows(&heights, round..round + 1)
 }
 
 /// Triangles of the skin in a pose.

@@ -16,9 +16,10 @@ use std::sync::Arc;
 /// Poses that a coat is settled in at most.
 pub const MAX_POSES: usize = 5;
 
-/// Heights of a vertex in the poses after the first over that in the first, along its normal, in units of [`WornPoses::reach`].
+/// Heights of a vertex in the poses after the first over that in the first, along its normal, in units of [`WornPoses::reach`], and how
+/// far behind the nearest it is seen in each pose ([`crate::maths::order::raised_pack`]).
 pub const ATTRIBUTE_RAISED: MeshVertexAttribute =
-    MeshVertexAttribute::new("Plumage_Raised", 0x91b3_6c5e_d2a7, VertexFormat::Snorm16x4);
+    MeshVertexAttribute::new("Plumage_Raised", 0x91b3_6c5e_d2a7, VertexFormat::Uint16x4);
 
 /// Share of the way from one pose to the other before which only the one counts, and after which only the other.
 const BLEND: (f32, f32) = (0.375, 0.625);
@@ -26,6 +27,19 @@ const BLEND: (f32, f32) = (0.375, 0.625);
 const STILL: f32 = 1.0e-3;
 /// Share of the most that any joint asks of the heights, below which one is not asked for.
 const LITTLE: f32 = 1.0e-3;
+
+/// Distance from the nearest pose over the sum of that and the one from the next, up to which a bird is in the pose, and from which it
+/// is on the way.
+const WAY: (f32, f32) = (0.05, 0.2);
+
+/// What a bird wears of the poses of its coat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wear {
+    /// Share of each pose; sum 1.
+    pub shares: [f32; MAX_POSES],
+    /// How far the bird is on the way from one pose to another, 0..1.
+    pub between: f32,
+}
 
 /// The poses of a coat as the joints tell them apart: by the rotations relative to the skeleton's first joint of all joints that
 /// turn between them.
@@ -92,44 +106,63 @@ impl WornPoses {
         self.joints.last().map_or(0, |(joint, _)| joint + 1)
     }
 
-    /// Share of each pose in what a bird wears whose joints do this to bind pose; sum 1, only the first if all are alike.
+    /// What a bird wears whose joints do this to bind pose: only the first pose if all are alike.
     ///
     /// The nearest pose counts alone unless another is almost as near: feathers settled in one pose are in order, those half-way
     /// between two need not be. One set of shares for the whole bird, so that neighbors agree.
-    pub fn shares(&self, skinning: &[Affine3A]) -> [f32; MAX_POSES] {
-        let mut shares = [0.0; MAX_POSES];
+    pub fn wear(&self, skinning: &[Affine3A]) -> Wear {
         let now: Vec<Quat> = self
             .joints
             .iter()
             .map(|(joint, _)| turn(skinning, *joint))
             .collect();
-        let far = |pose: &Vec<Quat>| {
-            let parts = self.joints.iter().zip(pose.iter().zip(&now));
-            let sum: f32 = parts
-                .map(|((_, weight), (a, b))| weight * angle(*a, *b).powi(2))
-                .sum();
-            sum.sqrt()
-        };
-        let away: Vec<f32> = self.rotations.iter().map(far).take(MAX_POSES).collect();
-        let step = |x: f32| {
-            let x = ((x - BLEND.0) / (BLEND.1 - BLEND.0)).clamp(0.0, 1.0);
-            x * x * (3.0 - 2.0 * x)
-        };
+        let poses = self.rotations.iter().take(MAX_POSES);
+        let away: Vec<f32> = poses.map(|pose| self.distance(pose, &now)).collect();
+        let mut shares = [0.0; MAX_POSES];
         for (k, own) in away.iter().enumerate() {
             let others = away.iter().enumerate().filter(|(l, _)| *l != k);
-            let against =
-                |(_, other): (usize, &f32)| step(other / (own + other).max(f32::MIN_POSITIVE));
+            let against = |(_, other): (usize, &f32)| {
+                ease(BLEND, other / (own + other).max(f32::MIN_POSITIVE))
+            };
             shares[k] = others.map(against).product();
         }
         let sum: f32 = shares.iter().sum();
         if sum > 0.0 {
-            shares.map(|share| share / sum)
+            shares = shares.map(|share| share / sum);
         } else {
-            let mut first = [0.0; MAX_POSES];
-            first[0] = 1.0;
-            first
+            shares[0] = 1.0;
         }
+        let mut sorted = away;
+        sorted.sort_by(f32::total_cmp);
+        let between = match sorted[..] {
+            [own, next, ..] => ease(WAY, own / (own + next).max(f32::MIN_POSITIVE)),
+            _ => 0.0,
+        };
+        Wear { shares, between }
     }
+
+    /// How far two sets of rotations of the joints are from each other.
+    fn distance(&self, a: &[Quat], b: &[Quat]) -> f32 {
+        let parts = self.joints.iter().zip(a.iter().zip(b));
+        let sum: f32 = parts
+            .map(|((_, weight), (a, b))| weight * angle(*a, *b).powi(2))
+            .sum();
+        sum.sqrt()
+    }
+
+    /// Whether a bird on the way from one pose to another passes no third one: none is nearer to both than they are to each other.
+    pub fn adjacent(&self, a: usize, b: usize) -> bool {
+        let far = |a: usize, b: usize| self.distance(&self.rotations[a], &self.rotations[b]);
+        let way = far(a, b);
+        let mut others = (0..self.count()).filter(|c| *c != a && *c != b);
+        others.all(|c| far(a, c).max(far(c, b)) >= way)
+    }
+}
+
+/// 0 below the first, 1 above the second, smooth between.
+fn ease((low, high): (f32, f32), x: f32) -> f32 {
+    let x = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
 }
 
 /// On the card mesh: the poses of its coat, and what the bird wears of them.
@@ -137,17 +170,18 @@ impl WornPoses {
 pub struct Worn {
     /// The poses.
     pub poses: Arc<WornPoses>,
-    /// Height in the poses after the first that one unit of [`ATTRIBUTE_RAISED`] stands for now, metres.
-    pub heights: [f32; MAX_POSES - 1],
+    /// What the bird wears of them now.
+    pub wear: Wear,
 }
 
 impl Worn {
     /// In the first pose.
     pub fn new(poses: Arc<WornPoses>) -> Self {
-        Self {
-            poses,
-            heights: [0.0; MAX_POSES - 1],
-        }
+        let mut shares = [0.0; MAX_POSES];
+        shares[0] = 1.0;
+        let between = 0.0;
+        let wear = Wear { shares, between };
+        Self { poses, wear }
     }
 }
 
@@ -171,10 +205,9 @@ pub fn find_worn(
                 world.unwrap_or(Affine3A::IDENTITY) * Affine3A::from_mat4(*inverse)
             })
             .collect();
-        let shares = worn.poses.shares(&skinning);
-        let heights = std::array::from_fn(|k| shares[k + 1] * worn.poses.reach);
-        if worn.heights != heights {
-            worn.heights = heights;
+        let wear = worn.poses.wear(&skinning);
+        if worn.wear != wear {
+            worn.wear = wear;
         }
     }
 }
@@ -204,13 +237,13 @@ mod tests {
             2,
             "the first joint and still ones tell nothing"
         );
-        let mut before = poses.shares(&pose([0.0; 3]));
+        let mut before = poses.wear(&pose([0.0; 3])).shares;
         assert_eq!(before[..3], [1.0, 0.0, 0.0]);
         let mut most = 0.0_f32;
         for step in 1..=400 {
             let t = step as f32 / 200.0;
             let (elbow, wrist) = (t.min(1.0), 1.4 * (t - 1.0).max(0.0));
-            let now = poses.shares(&pose([0.0, elbow, wrist]));
+            let now = poses.wear(&pose([0.0, elbow, wrist])).shares;
             assert!((now.iter().sum::<f32>() - 1.0).abs() < 1.0e-5);
             let parts = now.iter().zip(&before).map(|(a, b)| (a - b).abs());
             most = parts.fold(most, f32::max);
@@ -224,9 +257,11 @@ mod tests {
     fn what_carries_no_feathers_does_not_choose_the_pose() {
         let poses = [pose([0.0; 3]), pose([0.0, 1.0, 1.4])];
         let head_turned = pose([0.0, 0.0, 1.4]);
-        let alike = WornPoses::new(&poses, 0.01, &[]).shares(&head_turned);
+        let alike = WornPoses::new(&poses, 0.01, &[]).wear(&head_turned).shares;
         assert!(alike[1] > 0.5, "{alike:?}");
-        let by_wing = WornPoses::new(&poses, 0.01, &[0.0, 1.0, 0.01]).shares(&head_turned);
+        let by_wing = WornPoses::new(&poses, 0.01, &[0.0, 1.0, 0.01])
+            .wear(&head_turned)
+            .shares;
         assert_eq!(by_wing[..2], [1.0, 0.0]);
     }
 
@@ -239,16 +274,19 @@ mod tests {
             Affine3A::from_scale(Vec3::new(-0.01, 0.01, 0.01)),
         ] {
             let placed: Vec<Affine3A> = stretched.iter().map(|joint| world * *joint).collect();
-            assert_eq!(poses.shares(&placed)[..2], [0.0, 1.0]);
+            assert_eq!(poses.wear(&placed).shares[..2], [0.0, 1.0]);
         }
     }
 
     #[test]
     fn without_poses_and_with_damaged_joints_there_are_shares() {
-        assert_eq!(WornPoses::default().shares(&[]), [1.0, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(
+            WornPoses::default().wear(&[]).shares,
+            [1.0, 0.0, 0.0, 0.0, 0.0]
+        );
         let poses = WornPoses::new(&[pose([0.0; 3]), pose([0.0, 1.0, 0.5])], 0.01, &[]);
         let damaged = vec![Affine3A::from_scale(Vec3::splat(f32::NAN)); 3];
-        for shares in [poses.shares(&damaged), poses.shares(&[])] {
+        for shares in [poses.wear(&damaged).shares, poses.wear(&[]).shares] {
             assert!(shares.iter().all(|x| x.is_finite()), "{shares:?}");
         }
     }

@@ -69,8 +69,9 @@ pub struct FeatherSettings {
     pub debug_view: DebugView,
     /// How coverage is found.
     pub coverage_method: CoverageMethod,
-    /// Depth, in widths of a feather, within which the one that lies over the other in the coat is seen though it is further away,
-    /// 0..0.5 (0.1); 0: the nearest is seen. For cameras with a depth prepass (docs/bevy_view.md#layering).
+    /// Depth, in widths of a feather, within which the one that lies over the other in the coat is seen though it is further away, at
+    /// most, 0..0.5 (0.5): it is as deep as settling has left the coat out of order, place by place, and 0.1 on meshes that were not
+    /// groomed. 0: the nearest is seen. For cameras with a depth prepass (docs/bevy_view.md#layering).
     #[reflect(@Parameter::new("", 0.0, 0.5))]
     pub order_window: f32,
     /// Samples of the environment map per pixel, 0..1024, by importance; 0 (default) takes Bevy's prefiltered maps instead.
@@ -103,7 +104,7 @@ impl Default for FeatherSettings {
             dither: true,
             debug_view: DebugView::None,
             coverage_method: CoverageMethod::Chosen,
-            order_window: 0.1,
+            order_window: 0.5,
             environment_samples: 0,
             lights_together: false,
             light_budget: 0.02,

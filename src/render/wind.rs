@@ -108,18 +108,26 @@ impl Ruffle {
 pub(super) mod motion {
     use super::super::vertex_light::VERTEX_LIGHTS;
 
-    /// Heights in the poses that are worn.
+    /// Shares of the poses after the first; and what a unit of height is, metres, how far the bird is on the way between poses.
     pub const WORN: usize = 2;
     /// Lights.
-    pub const LIGHTS: usize = WORN + 1;
+    pub const LIGHTS: usize = WORN + 2;
     /// Regions.
     pub const REGIONS: usize = LIGHTS + VERTEX_LIGHTS;
 }
 
-/// Rows of one bird: wind, heights in the poses that it wears, lights, then (lift, compliance, limit, yaw) of every region.
+/// A bird in the first pose.
+const STILL: [[f32; 4]; 2] = [[0.0; 4]; 2];
+
+fn worn_rows(worn: &Worn) -> [[f32; 4]; 2] {
+    let [_, further @ ..] = worn.wear.shares;
+    [further, [worn.poses.reach, worn.wear.between, 0.0, 0.0]]
+}
+
+/// Rows of one bird: wind, the poses that it wears, lights, then (lift, compliance, limit, yaw) of every region.
 fn motion_rows(
     wind: &Wind,
-    worn: [f32; 4],
+    worn: [[f32; 4]; 2],
     lights: &VertexLights,
     ruffle: Option<&Ruffle>,
     regions: &[CardRegion],
@@ -131,7 +139,7 @@ fn motion_rows(
     };
     let regions = &regions[..regions.len().min(MAX_REGIONS as usize)];
     let mut rows = wind.rows(regions.len().max(1)).to_vec();
-    rows.push(worn);
+    rows.extend(worn);
     rows.extend(lights.rows().map(|row| row.to_array()));
     rows.extend(regions.iter().map(row));
     if regions.is_empty() {
@@ -147,7 +155,7 @@ fn motion_rows(
 pub(super) fn still_motion(cards: &PlumageCards) -> ShaderBuffer {
     let rows = motion_rows(
         &Wind::default(),
-        [0.0; 4],
+        STILL,
         &VertexLights::default(),
         None,
         &cards.regions,
@@ -181,7 +189,8 @@ impl Motion {
         let flat = |row: &[f32; 4]| row[0] == 0.0 && row[3] == 0.0;
         let still =
             air[3] == 0.0 && eddies[0] == 0.0 && self.now[motion::REGIONS..].iter().all(flat);
-        still.then(|| Vec4::from_array(self.now[motion::WORN]))
+        let [shares, unit] = [0, 1].map(|row| self.now[motion::WORN + row]);
+        still.then(|| Vec4::from_array(shares) * unit[0])
     }
 }
 
@@ -218,8 +227,8 @@ pub(super) fn move_feathers(
         let Some(material) = materials.get(material.id()) else {
             continue;
         };
-        let heights = worn.map_or([0.0; 4], |worn| worn.heights);
-        let now = motion_rows(&wind, heights, &lights, ruffle.as_deref(), &cards.regions);
+        let worn = worn.map_or(STILL, |worn| worn_rows(&worn));
+        let now = motion_rows(&wind, worn, &lights, ruffle.as_deref(), &cards.regions);
         let ruffled = ruffle.is_some();
         let buffer = material.motion.id();
         let mut known = motion.filter(|motion| motion.buffer == buffer);
@@ -299,12 +308,12 @@ mod tests {
         };
         let rows = motion_rows(
             &wild,
-            [0.0; 4],
+            STILL,
             &VertexLights::default(),
             Some(&ruffle),
             &vec![region; 4],
         );
-        assert_eq!(rows.len(), 9);
+        assert_eq!(rows.len(), 10);
         assert!(rows.iter().flatten().all(|x| x.is_finite()), "{rows:?}");
     }
 }

@@ -50,8 +50,16 @@ impl Air {
 }
 
 impl Blown {
-    /// Where a vertex at share `along` of its card's length goes, in bind pose. `carry`: what the joints do to it.
-    pub fn place(&self, card: &Card, along: f32, place: Vec3, carry: Affine3A) -> Vec3 {
+    /// Where a vertex at share `along` of its card's length goes, in bind pose, and how far its card is turned, radians. `carry`: what
+    /// the joints do to it; `held`: how far, 0..1, stiffer feathers hold it down.
+    pub fn place(
+        &self,
+        card: &Card,
+        along: f32,
+        place: Vec3,
+        carry: Affine3A,
+        held: f32,
+    ) -> (Vec3, f32) {
         let [lift, yaw, compliance, limit] = self.regions[usize::from(card.region)];
         let mut tip = 0.0;
         if self.breeze.speed + self.breeze.gusts > 0.0 {
@@ -72,7 +80,10 @@ impl Blown {
         }
         let aside = yaw * ((card.seed & 0xffff) as f32 / 32767.5 - 1.0);
         let raising = card.along.cross(card.normal);
-        let turn = raising * (lift + 0.5 * along * tip) + card.normal * aside;
-        card.root + Vec3::from(turned_by((place - card.root).to_array(), turn.to_array()))
+        let whole = (raising * lift + card.normal * aside) * (1.0 - held);
+        let turn = whole + raising * (0.5 * along * tip);
+        let place =
+            card.root + Vec3::from(turned_by((place - card.root).to_array(), turn.to_array()));
+        (place, (whole + raising * tip).length())
     }
 }

@@ -8,7 +8,7 @@ use bevy::{
     math::{Vec3, Vec3Swizzles},
     mesh::{Mesh, VertexAttributeValues},
 };
-use bevy_plumage::groom::Coat;
+use bevy_plumage::{groom::Coat, maths::order::stirred_window};
 use plumage_reference::{
     crossing::{Overlaps, overlaps},
     visible::{Layers, Pixel, Posed, View},
@@ -103,6 +103,10 @@ pub struct Tally {
     pub parts: BTreeMap<&'static str, Count>,
     /// Wrong pixels by the tract that is shown and the tract that should cover it.
     pub tracts: BTreeMap<(u16, u16), usize>,
+    /// Pixels that flicker by the tracts that are shown before and after.
+    pub flickers: BTreeMap<(u16, u16), usize>,
+    /// Those of them that are wrong before or after.
+    pub unsettled: usize,
     /// Wrong pixels by how far behind the right feather is, in steps of [`STEP`] widths of the narrower.
     pub gaps: [usize; STEPS],
 }
@@ -115,7 +119,7 @@ pub struct Measured<'a> {
     pub coat: &'a Coat,
     /// Side of a picture, pixels.
     pub size: usize,
-    /// Window of the order by rank, widths of a feather.
+    /// Windows of the order by rank at most, widths of a feather.
     pub window: f32,
     /// Half the side of a picture, metres.
     pub half: f32,
@@ -148,16 +152,24 @@ impl<'a> Measured<'a> {
         let skinning = self.bird.skinning(time);
         let mut vertices = SceneBird::vertices(self.coat, &skinning);
         let carries = SceneBird::carries(self.coat, &skinning);
+        let mut windows = SceneBird::windows(self.coat, &skinning);
         if !self.air.is_still() {
             let blown = self.air.blown(&self.bird.groom, time.unwrap_or(0.0));
+            let held = SceneBird::held(self.coat, &skinning);
             for (card, place) in self.coat.cards.iter().zip(&self.coat.geometry) {
                 let first = place.first_vertex as usize;
                 for i in first..first + place.vertex_count as usize {
-                    vertices[i] = blown.place(card, self.uvs[i][1], vertices[i], carries[i]);
+                    let (along, place) = (self.uvs[i][1], vertices[i]);
+                    let (place, angle) = blown.place(card, along, place, carries[i], held[i]);
+                    vertices[i] = place;
+                    windows[i] = stirred_window(windows[i], angle);
                 }
             }
         }
-        self.bird.pose(&vertices, &carries, &skinning)
+        PosedCoat {
+            windows,
+            ..self.bird.pose(&vertices, &carries, &skinning)
+        }
     }
 
     /// The views of a pose.
@@ -186,6 +198,8 @@ impl<'a> Measured<'a> {
             geometry: &self.coat.geometry,
             positions: &pose.cards,
             uvs: &self.uvs,
+            windows: &pose.windows,
+            window: self.window,
             body: &pose.body,
         }
     }
@@ -194,7 +208,7 @@ impl<'a> Measured<'a> {
     pub fn judge(&self, pose: &PosedCoat, view: &View) -> (Layers, Vec<Pixel>) {
         let posed = self.posed(pose);
         let layers = posed.draw(view);
-        let pixels = posed.judge(&layers, self.window);
+        let pixels = posed.judge(&layers);
         (layers, pixels)
     }
 
@@ -219,7 +233,7 @@ impl<'a> Measured<'a> {
                             Pixel::Wrong(..) | Pixel::WrongColor(..)
                         )),
                         color: usize::from(matches!(pixel, Pixel::WrongColor(..))),
-                        shaded: layers.shaded(number, &self.coat.cards, self.window),
+                        shaded: layers.shaded(number),
                         ..Count::default()
                     };
                     tally.all.add(&one);
@@ -232,10 +246,20 @@ impl<'a> Measured<'a> {
                     tally.parts.entry(part).or_default().add(&one);
                 }
                 tally.all.bare = layers.bare;
-                tally.all.painted = layers.painted_over(&self.coat.cards, self.window);
+                tally.all.painted = layers.painted_over();
                 if let Some(next) = &next {
                     let (its_layers, its) = self.judge(next, view);
-                    tally.all.flicker = layers.flicker(&pixels, &its_layers, &its);
+                    let changed = layers.flicker(&pixels, &its_layers, &its);
+                    tally.all.flicker = changed.len();
+                    for number in changed {
+                        let shown = [pixels[number], its[number]].map(|pixel| {
+                            let card = pixel.card().unwrap_or_default();
+                            self.coat.cards[card as usize].region
+                        });
+                        *tally.flickers.entry(shown.into()).or_default() += 1;
+                        let wrong = pixels[number].missing().or(its[number].missing());
+                        tally.unsettled += usize::from(wrong.is_some());
+                    }
                 }
                 tally
             })
@@ -287,6 +311,10 @@ impl Tally {
         for (tracts, count) in &other.tracts {
             *self.tracts.entry(*tracts).or_default() += count;
         }
+        for (tracts, count) in &other.flickers {
+            *self.flickers.entry(*tracts).or_default() += count;
+        }
+        self.unsettled += other.unsettled;
         for (own, its) in self.gaps.iter_mut().zip(other.gaps) {
             *own += its;
         }

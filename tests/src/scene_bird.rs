@@ -5,9 +5,12 @@ use bevy::{
     math::{Affine3A, Mat4, Quat, Vec3},
     mesh::{Indices, Mesh, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues},
 };
-use bevy_plumage::groom::{
-    ATTRIBUTE_RAISED, Bird, Coat, Groom, JointPose, KeyPose, SkinMesh, fan_transform, groom_bird,
-    skin::Weights,
+use bevy_plumage::{
+    groom::{
+        ATTRIBUTE_RAISED, Bird, Coat, Groom, JointPose, KeyPose, SkinMesh, Wear, fan_transform,
+        groom_bird, skin::Weights,
+    },
+    maths::order::{raised_heights, raised_held, raised_window},
 };
 use gltf_json::{
     Root, accessor::ComponentType, animation::Property, mesh::Semantic, validation::Checked::Valid,
@@ -52,6 +55,8 @@ pub struct PosedCoat {
     pub cards: Vec<Vec3>,
     /// Triangles of skin, bill, legs and eyes.
     pub body: Vec<[Vec3; 3]>,
+    /// How far behind the nearest each vertex is seen, widths of its card; empty: not at all.
+    pub windows: Vec<f32>,
 }
 
 struct File {
@@ -365,7 +370,11 @@ impl SceneBird {
                     .map(|corner| [0, 1, 2].map(|k| posed[corner[k] as usize])),
             );
         }
-        PosedCoat { cards, body }
+        PosedCoat {
+            cards,
+            body,
+            windows: Vec::new(),
+        }
     }
 
     /// Vertices of a coat in bind pose, raised as the pose wants it that the joints of the body are in.
@@ -380,17 +389,38 @@ impl SceneBird {
         };
         let mut places = vectors(Mesh::ATTRIBUTE_POSITION);
         let normals = vectors(Mesh::ATTRIBUTE_NORMAL);
-        let shares = coat.worn.shares(skinning);
-        if let Some(VertexAttributeValues::Snorm16x4(raised)) =
-            coat.mesh.attribute(ATTRIBUTE_RAISED)
-        {
-            for ((place, normal), raised) in places.iter_mut().zip(normals).zip(raised) {
-                let units = raised.iter().zip(&shares[1..]);
-                let height: f32 = units.map(|(unit, share)| f32::from(*unit) * share).sum();
-                *place += normal * (height * coat.worn.reach / f32::from(i16::MAX));
-            }
+        let shares = coat.worn.wear(skinning).shares;
+        for ((place, normal), raised) in places.iter_mut().zip(normals).zip(Self::raised(coat)) {
+            let units = raised_heights::<f32>(*raised);
+            let units = units.iter().zip(&shares[1..]);
+            let height: f32 = units.map(|(unit, share)| unit * share).sum();
+            *place += normal * (height * coat.worn.reach);
         }
         places
+    }
+
+    fn raised(coat: &Coat) -> &[[u16; 4]] {
+        match coat.mesh.attribute(ATTRIBUTE_RAISED) {
+            Some(VertexAttributeValues::Uint16x4(raised)) => raised,
+            _ => &[],
+        }
+    }
+
+    /// How far behind the nearest each vertex is seen in the pose that the joints of the body are in, widths of its card.
+    pub fn windows(coat: &Coat, skinning: &[Affine3A]) -> Vec<f32> {
+        let Wear { shares, between } = coat.worn.wear(skinning);
+        let [_, further @ ..] = shares;
+        let raised = Self::raised(coat).iter();
+        raised
+            .map(|words| raised_window(*words, further, between))
+            .collect()
+    }
+
+    /// How far, 0..1, each vertex is held down by stiffer feathers in that pose.
+    pub fn held(coat: &Coat, skinning: &[Affine3A]) -> Vec<f32> {
+        let [_, further @ ..] = coat.worn.wear(skinning).shares;
+        let raised = Self::raised(coat).iter();
+        raised.map(|words| raised_held(*words, further)).collect()
     }
 
     /// Part of the body that a region or row of its groom belongs to.

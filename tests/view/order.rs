@@ -9,6 +9,7 @@ use bevy::{
 };
 use bevy_plumage::{
     groom::{Card, CardGeometry, PlumageCards},
+    maths::order::UNSETTLED_WINDOW,
     prelude::*,
 };
 use plumage_tests::{
@@ -128,7 +129,7 @@ fn the_window_decides_near_feathers_and_depth_the_rest() {
         return;
     };
     let camera = stage.camera;
-    let inside = 0.5 * FeatherSettings::default().order_window * WIDTH;
+    let inside = 0.5 * UNSETTLED_WINDOW * WIDTH;
     for (msaa, transparency) in [
         (Msaa::Off, FeatherTransparency::Hashed),
         (Msaa::Sample4, FeatherTransparency::AlphaToCoverage),

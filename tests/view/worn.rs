@@ -6,6 +6,7 @@ use bevy::{
 };
 use bevy_plumage::{
     groom::{ATTRIBUTE_RAISED, Bird, JointPose, KeyPose, PlumageCards, SkinMesh, groom_bird},
+    maths::order::raised_heights,
     prelude::*,
 };
 use plumage_tests::{
@@ -23,16 +24,16 @@ fn raised(mesh: &Mesh, reach: f32) -> Mesh {
         Some(VertexAttributeValues::Float32x3(list)) => list.clone(),
         _ => panic!("no vectors"),
     };
-    let Some(VertexAttributeValues::Snorm16x4(heights)) = mesh.attribute(ATTRIBUTE_RAISED) else {
+    let Some(VertexAttributeValues::Uint16x4(words)) = mesh.attribute(ATTRIBUTE_RAISED) else {
         panic!("the coat has one pose");
     };
     let parts = vectors(Mesh::ATTRIBUTE_POSITION)
         .into_iter()
         .zip(vectors(Mesh::ATTRIBUTE_NORMAL))
-        .zip(heights);
+        .zip(words);
     let places: Vec<[f32; 3]> = parts
-        .map(|((place, normal), heights)| {
-            let height = f32::from(heights[0]) / f32::from(i16::MAX) * reach;
+        .map(|((place, normal), words)| {
+            let height = raised_heights::<f32>(*words)[0] * reach;
             (Vec3::from(place) + Vec3::from(normal) * height).to_array()
         })
         .collect();

@@ -45,6 +45,10 @@ pub struct Posed<'a> {
     pub positions: &'a [Vec3],
     /// `UV_0` of the card mesh.
     pub uvs: &'a [[f32; 2]],
+    /// How far behind the nearest each vertex is seen, widths of its card, where it faces the eye.
+    pub windows: &'a [f32],
+    /// The same at most, as the renderer's `FeatherSettings::order_window`; 0: the nearest is shown.
+    pub window: f32,
     /// Triangles of the body as posed.
     pub body: &'a [[Vec3; 3]],
 }
@@ -60,6 +64,8 @@ pub struct Fragment {
     pub facing: f32,
     /// Place along the feather, 0 to 1.
     pub along: f32,
+    /// How far behind the nearest it is seen, metres.
+    pub reach: f32,
 }
 
 /// Every feather at every pixel of a view, nearest first; what the body hides is not there.
@@ -170,6 +176,8 @@ impl Posed<'_> {
             let Some((points, uvs)) = self.vertices(card) else {
                 continue;
             };
+            let first = self.geometry[card].first_vertex as usize;
+            let width = self.cards[card].width;
             let wide = columns(uvs);
             if wide < 2 {
                 continue;
@@ -181,6 +189,14 @@ impl Posed<'_> {
                         let [a, b, c] = corners.map(|k| points[k]);
                         let normal = (b - a).cross(c - a).normalize_or_zero();
                         let facing = normal.dot(view.eye);
+                        // As the renderer has it at the vertices.
+                        let reaches = corners.map(|k| {
+                            let window = self
+                                .windows
+                                .get(first + k)
+                                .map_or(0.0, |own| own.min(self.window));
+                            order_reach(window * width, facing, uvs[k][1])
+                        });
                         cover(view, [a, b, c], |pixel, near, shares| {
                             let uv: Vec2 = corners
                                 .iter()
@@ -195,11 +211,16 @@ impl Posed<'_> {
                                 near,
                                 facing,
                                 along: uv.y,
+                                reach: reaches
+                                    .iter()
+                                    .zip(shares)
+                                    .map(|(own, share)| own * share)
+                                    .sum(),
                             };
                             let depth = wall[pixel] - near;
                             if depth < 0.0 {
                                 found.push((pixel as u32, fragment));
-                            } else if depth < REACH * self.cards[card].width {
+                            } else if depth < REACH * width {
                                 behind.push((pixel as u32, depth, fragment));
                             }
                         });
@@ -253,15 +274,14 @@ impl Posed<'_> {
             .collect()
     }
 
-    /// Judges every pixel. `window`: depth, in widths of a feather, within which the higher layer is shown where both show their
-    /// fronts, as the renderer decides it behind a depth prepass ([`windowed`]); 0: the nearest is shown.
-    pub fn judge(&self, layers: &Layers, window: f32) -> Vec<Pixel> {
+    /// Judges every pixel.
+    pub fn judge(&self, layers: &Layers) -> Vec<Pixel> {
         let stands = self.stands();
         let colors: Vec<Vec3> = self.cards.iter().map(|card| lab(card.tint)).collect();
         (0..layers.starts.len() - 1)
             .map(|pixel| {
                 let list = layers.at(pixel);
-                let Some(shown) = windowed(list, self.cards, window) else {
+                let Some(shown) = windowed(list, self.cards) else {
                     return Pixel::Empty;
                 };
                 let covers = |other: &&Fragment| {
@@ -305,10 +325,9 @@ impl Layers {
         &self.list[range]
     }
 
-    /// Pixels of skin, bill and legs that a window, in widths of a feather, would paint over with a feather from behind them.
-    pub fn painted_over(&self, cards: &[Card], window: f32) -> usize {
-        let comes =
-            |(_, depth, fragment): &&(u32, f32, Fragment)| reach(fragment, cards, window) > *depth;
+    /// Pixels of skin, bill and legs that windows paint over with a feather from behind them.
+    pub fn painted_over(&self) -> usize {
+        let comes = |(_, depth, fragment): &&(u32, f32, Fragment)| fragment.reach > *depth;
         let mut pixels: Vec<u32> = self
             .behind
             .iter()
@@ -320,13 +339,11 @@ impl Layers {
         pixels.len()
     }
 
-    /// Feathers of a pixel that are shaded: those no further behind the nearest than the window, in widths of a feather, allows.
-    pub fn shaded(&self, pixel: usize, cards: &[Card], window: f32) -> usize {
+    /// Feathers of a pixel that are shaded: those no further behind the nearest than their windows allow.
+    pub fn shaded(&self, pixel: usize) -> usize {
         let list = self.at(pixel);
-        let comes = |fragment: &&Fragment| {
-            window > 0.0 && fragment.near + reach(fragment, cards, window) >= list[0].near
-        };
-        list.iter().filter(comes).count().max(list.len().min(1))
+        let comes = |fragment: &&Fragment| fragment.near + fragment.reach >= list[0].near;
+        list.iter().filter(comes).count()
     }
 
     fn has(&self, pixel: usize, card: u32) -> bool {
@@ -334,32 +351,24 @@ impl Layers {
     }
 
     /// Pixels whose feather changes from one picture to the next although both feathers are there in both.
-    pub fn flicker(&self, own: &[Pixel], next: &Self, its: &[Pixel]) -> usize {
+    pub fn flicker(&self, own: &[Pixel], next: &Self, its: &[Pixel]) -> Vec<usize> {
         let changes = |pixel: &usize| match (own[*pixel].card(), its[*pixel].card()) {
             (Some(a), Some(b)) => a != b && self.has(*pixel, b) && next.has(*pixel, a),
             _ => false,
         };
-        (0..own.len().min(its.len())).filter(changes).count()
+        (0..own.len().min(its.len())).filter(changes).collect()
     }
 }
 
-/// How far behind the nearest a fragment may lie, metres.
-fn reach(fragment: &Fragment, cards: &[Card], window: f32) -> f32 {
-    let width = cards[fragment.card as usize].width;
-    order_reach(window * width, fragment.facing, fragment.along)
-}
-
-/// The fragment that is shown: of those no further behind the nearest than the window of each, in its widths, allows, the one of the
-/// highest layer.
-pub fn windowed(list: &[Fragment], cards: &[Card], window: f32) -> Option<Fragment> {
+/// The fragment that is shown: of those no further behind the nearest than their windows allow, the one of the highest layer, as the
+/// renderer decides it behind a depth prepass.
+fn windowed(list: &[Fragment], cards: &[Card]) -> Option<Fragment> {
     let first = list.first()?;
     let mut best = *first;
-    if window > 0.0 {
-        for fragment in list {
-            let higher = cards[fragment.card as usize].layer > cards[best.card as usize].layer;
-            if higher && fragment.near + reach(fragment, cards, window) >= first.near {
-                best = *fragment;
-            }
+    for fragment in &list[1..] {
+        let higher = cards[fragment.card as usize].layer > cards[best.card as usize].layer;
+        if higher && fragment.reach > 0.0 && fragment.near + fragment.reach >= first.near {
+            best = *fragment;
         }
     }
     Some(best)

@@ -69,7 +69,7 @@ pub struct VertexPlaces {
     pub joints: u32,
     /// Their weights.
     pub weights: u32,
-    /// Heights in further poses.
+    /// What it keeps of the poses.
     pub raised: u32,
 }
 
@@ -133,7 +133,7 @@ impl<'a> Meshes<'a> {
             normal: find(Mesh::ATTRIBUTE_NORMAL, VertexFormat::Float32x3)?,
             joints: find(Mesh::ATTRIBUTE_JOINT_INDEX, VertexFormat::Uint16x4)?,
             weights: find(Mesh::ATTRIBUTE_JOINT_WEIGHT, VertexFormat::Float32x4)?,
-            raised: find(ATTRIBUTE_RAISED, VertexFormat::Snorm16x4)?,
+            raised: find(ATTRIBUTE_RAISED, VertexFormat::Uint16x4)?,
         };
         Some((places, bound))
     }

@@ -48,10 +48,10 @@ const CARD_LIT: u32 = 5u;
 // Behind the skin.
 const CARD_HIDDEN: u32 = 6u;
 
-// Rows of the motion table before its regions: wind (2), heights of the worn pose, lights (2).
+// Rows of the motion table before its regions: wind (2), worn poses (2), lights (2).
 const MOTION_WORN: u32 = 2u;
-const MOTION_LIGHTS: u32 = 3u;
-const MOTION_REGIONS: u32 = 5u;
+const MOTION_LIGHTS: u32 = 4u;
+const MOTION_REGIONS: u32 = 6u;
 
 // One card record.
 const CARD_LENGTH: u32 = 5u;

@@ -16,8 +16,8 @@ struct CardVertex {
     @location(6) joint_weights: vec4<f32>,
 #endif
 #ifdef WORN_POSES
-    // How much higher than in the first pose the vertex lies in each of the further ones.
-    @location(7) raised: vec4<f32>,
+    // What the vertex keeps of the poses, see `raised_heights` and `raised_window`.
+    @location(7) raised: vec4<u32>,
 #endif
 }
 

@@ -115,6 +115,6 @@ fn classify(@builtin(global_invocation_id) id: vec3<u32>) {
     } else if (level != data::CARD_CULLED) {
         let stretch = length((world_from_local * vec4(card.along, 0.0)).xyz);
         let eye = eye_of((world_from_local * vec4(card.center, 1.0)).xyz);
-        measure(id.x, lods::params.order_window * card.width * stretch, eye);
+        measure(id.x, card.width * stretch, eye);
     }
 }

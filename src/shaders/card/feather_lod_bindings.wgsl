@@ -15,11 +15,11 @@ struct LodParams {
     threshold: f32,
     // Largest error that light found at vertices may have, 0: it may not be found there.
     light_budget: f32,
-    // Widths of a feather within which the order of the coat decides.
+    // Widths of a feather within which the order of the coat decides at most.
     order_window: f32,
     // 1: cards behind others are found.
     hides: u32,
-    // Of the card mesh, in words: its first vertex, the size of one, and in it normal, joints, their weights, heights of further poses.
+    // Of the card mesh, in words: its first vertex, the size of one, and in it normal, joints, their weights, what it keeps of the poses.
     // NOTHING: it has none.
     first_word: u32,
     stride: u32,

@@ -1,6 +1,6 @@
 // Where a card lies on the screen, by its very vertices.
 #define_import_path bevy_plumage::feather_measure
-#import bevy_plumage::feather_lod_bindings as lods
+#import bevy_plumage::{feather_lod_bindings as lods, order::{UNSETTLED_WINDOW, raised_heights, raised_widest}}
 
 // Most vertices of a card.
 const MOST_VERTICES: u32 = 256u;
@@ -26,21 +26,31 @@ fn matrix_at(at: u32) -> mat4x4<f32> {
     );
 }
 
+// What a vertex keeps of the poses.
+fn raised_at(at: u32) -> vec4<u32> {
+    let words = vec2(word(at + lods::params.raised), word(at + lods::params.raised + 1u));
+    return vec4(words.x & 0xffffu, words.x >> 16u, words.y & 0xffffu, words.y >> 16u);
+}
+
+// How far the order of the coat may bring a vertex forward in any pose, widths of its card.
+fn window_at(at: u32) -> f32 {
+    if (lods::params.raised == lods::NOTHING) {
+        return min(lods::params.order_window, UNSETTLED_WINDOW);
+    }
+    return min(lods::params.order_window, raised_widest(raised_at(at)));
+}
+
 // A vertex in the world, as the pose that is worn has it.
 fn place_of(at: u32) -> vec3<f32> {
     var position = vector(at);
     if (lods::params.raised != lods::NOTHING) {
-        let heights = vec4(
-            unpack2x16snorm(word(at + lods::params.raised)),
-            unpack2x16snorm(word(at + lods::params.raised + 1u)),
-        );
-        position += vector(at + lods::params.normal) * dot(heights, lods::params.worn);
+        position += vector(at + lods::params.normal) * dot(raised_heights(raised_at(at)), lods::params.worn);
     }
     return (matrix_at(at) * vec4(position, 1.0)).xyz;
 }
 
-// Measures card `index` for `feather_hide`. `shift`: how far its order may bring it forward, metres; `eye`: towards the eye.
-fn measure(index: u32, shift: f32, eye: vec3<f32>) {
+// Measures card `index` for `feather_hide`. `width`: of the card, metres; `eye`: towards the eye.
+fn measure(index: u32, width: f32, eye: vec3<f32>) {
     let out = index * lods::MEASURED;
     let range = lods::patches[min(index, arrayLength(&lods::patches) - 1u)];
     let clip_from_world = lods::view.clip_from_world;
@@ -50,9 +60,10 @@ fn measure(index: u32, shift: f32, eye: vec3<f32>) {
     var nearest = 0.0;
     var cut = range.y == 0u || range.y > MOST_VERTICES;
     for (var i = 0u; i < min(range.y, MOST_VERTICES); i++) {
-        let place = place_of((range.x + i) * lods::params.stride);
+        let vertex = (range.x + i) * lods::params.stride;
+        let place = place_of(vertex);
         let clip = clip_from_world * vec4(place, 1.0);
-        let forward = clip_from_world * vec4(place + eye * shift, 1.0);
+        let forward = clip_from_world * vec4(place + eye * (window_at(vertex) * width), 1.0);
         let at = clip.xy / max(clip.w, 1e-9);
         let depth = forward.z / max(forward.w, 1e-9);
         low = min(low, at);

@@ -3,7 +3,10 @@
 #import bevy_pbr::{mesh_functions, mesh_view_bindings::view, skinning, view_transformations::position_world_to_clip}
 #ifdef ORDER_WINDOW
 #import bevy_plumage::feather_cover::to_eye
-#import bevy_plumage::order::order_reach
+#import bevy_plumage::order::{UNSETTLED_WINDOW, order_reach, raised_window, stirred_window}
+#endif
+#ifdef WORN_POSES
+#import bevy_plumage::order::{raised_heights, raised_held}
 #endif
 #import bevy_plumage::{
     feather_bindings::{cards, lod, motion, settings},
@@ -43,7 +46,8 @@ fn previous_world_from_card(vertex: CardVertex) -> mat4x4<f32> {
 // Where a vertex lies in the pose that the bird wears, in bind pose. `first`: row of the motion table, as below.
 fn raised(vertex: CardVertex, first: u32) -> vec3<f32> {
 #ifdef WORN_POSES
-    return vertex.position + vertex.normal * dot(vertex.raised, motion_at(first + data::MOTION_WORN));
+    let height = dot(raised_heights(vertex.raised), motion_at(first + data::MOTION_WORN));
+    return vertex.position + vertex.normal * (height * motion_at(first + data::MOTION_WORN + 1u).x);
 #else
     return vertex.position;
 #endif
@@ -56,12 +60,21 @@ struct Turn {
     tip: vec3<f32>,
 }
 
+// Share of its rise that stiffer feathers over it leave to a ruffled feather. `first`: row of the motion table.
+fn free(vertex: CardVertex, first: u32) -> f32 {
+#ifdef WORN_POSES
+    return 1.0 - raised_held(vertex.raised, motion_at(first + data::MOTION_WORN));
+#else
+    return 1.0;
+#endif
+}
+
 fn is_still(turn: Turn) -> bool {
     return all(turn.whole == vec3(0.0)) && all(turn.tip == vec3(0.0));
 }
 
-// `first`: row of the motion table, 0 now, half its length a frame ago.
-fn turn_of(card: data::Card, first: u32, world_from_local: mat4x4<f32>, time: f32) -> Turn {
+// `first`: row of the motion table, 0 now, half its length a frame ago. `free`: share of a ruffled feather's rise that is left to it.
+fn turn_of(card: data::Card, first: u32, world_from_local: mat4x4<f32>, time: f32, free: f32) -> Turn {
     let air = motion_at(first);
     let eddies = motion_at(first + 1u);
     let region = motion_at(first + data::MOTION_REGIONS + min(data::card_region(card.feather), max(u32(eddies.w), 1u) - 1u));
@@ -77,7 +90,7 @@ fn turn_of(card: data::Card, first: u32, world_from_local: mat4x4<f32>, time: f3
     }
     let yaw = region.w * (f32(card.seed & 0xffffu) / 32767.5 - 1.0);
     let raising = cross(card.along, card.normal);
-    return Turn(raising * region.x + card.normal * yaw, raising * lift);
+    return Turn((raising * region.x + card.normal * yaw) * free, raising * lift);
 }
 
 // The place of a vertex at share `v` of the rachis: in the air the shaft bends as an arc, so its chord turns half as far as its tip.
@@ -153,7 +166,7 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
         return out;
     }
     let world_from_local = world_from_card(vertex);
-    let turn = turn_of(card, 0u, world_from_local, time);
+    let turn = turn_of(card, 0u, world_from_local, time, free(vertex, 0u));
     let tangent_turn = turn.whole + turn.tip * vertex.uv.y;
     out.world_position = world_from_local * vec4(bent(raised(vertex, 0u), card.root, turn, vertex.uv.y), 1.0);
     out.position = position_world_to_clip(out.world_position.xyz);
@@ -169,7 +182,13 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
     let eye = to_eye(out.world_position.xyz);
     let width = card.width * length((world_from_local * vec4(card.along, 0.0)).xyz);
     let farthest = select(NEAREST * distance(view.world_position, out.world_position.xyz), width, view.clip_from_view[3].w == 1.0);
-    let reach = order_reach(min(settings.order_window * width, farthest), dot(normalize(out.world_normal), eye), vertex.uv.y);
+#ifdef WORN_POSES
+    let needed = raised_window(vertex.raised, motion_at(data::MOTION_WORN), motion_at(data::MOTION_WORN + 1u).y);
+#else
+    let needed = UNSETTLED_WINDOW;
+#endif
+    let window = min(settings.order_window, stirred_window(needed, length(turn.whole + turn.tip)));
+    let reach = order_reach(min(window * width, farthest), dot(normalize(out.world_normal), eye), vertex.uv.y);
     out.position = nearer(out.world_position.xyz, out.position, eye, reach);
 #endif
 #ifdef VISIBILITY_RANGE_DITHER
@@ -180,7 +199,7 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
 #ifdef MOTION_VECTOR_PREPASS
     let before = previous_world_from_card(vertex);
     let first = arrayLength(&motion) / 2u;
-    let turn_before = turn_of(card, first, before, time - step);
+    let turn_before = turn_of(card, first, before, time - step, free(vertex, first));
     out.previous_world_position = before * vec4(bent(raised(vertex, first), card.root, turn_before, vertex.uv.y), 1.0);
 #endif
 #ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION

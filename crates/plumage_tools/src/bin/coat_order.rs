@@ -13,7 +13,7 @@ use plumage_tests::{
     order::{Measured, STEP, Tally},
     scene_bird::SceneBird,
 };
-use std::time::Instant;
+use std::{collections::BTreeMap, time::Instant};
 
 /// What to measure.
 #[derive(Parser)]
@@ -26,9 +26,9 @@ struct Args {
     /// Side of a picture, pixels.
     #[arg(long, default_value_t = 300)]
     size: usize,
-    /// Depth within which the order decides, widths of a feather, as `FeatherSettings::order_window`. Of further ones only the mean of
-    /// all phases is printed.
-    #[arg(long, num_args = 1.., default_values_t = [0.0])]
+    /// Depth within which the order decides at most, widths of a feather, as `FeatherSettings::order_window`. Of further ones only the
+    /// mean of all phases is printed.
+    #[arg(long, num_args = 1.., default_values_t = [0.5])]
     window: Vec<f32>,
     /// Seed.
     #[arg(long, default_value_t = 1)]
@@ -106,15 +106,29 @@ fn tracts(bird: &SceneBird, sum: &Tally) {
         .chain(bird.groom.rows.iter().map(|row| &row.name))
         .collect();
     let name = |region: &u16| names.get(usize::from(*region)).map_or("?", |name| name);
-    let mut worst: Vec<_> = sum.tracts.iter().collect();
+    print_most(sum, &sum.tracts, |shown, missing| {
+        format!("{} shows instead of {}", name(shown), name(missing))
+    });
+    print_most(sum, &sum.flickers, |before, after| {
+        format!("{} flickers to {}", name(before), name(after))
+    });
+    println!(
+        "  {:.3} % flicker and are wrong before or after",
+        100.0 * sum.unsettled as f32 / sum.all.feathers.max(1) as f32
+    );
+}
+
+/// Prints the most frequent pairs of tracts.
+fn print_most(
+    sum: &Tally,
+    pairs: &BTreeMap<(u16, u16), usize>,
+    text: impl Fn(&u16, &u16) -> String,
+) {
+    let mut worst: Vec<_> = pairs.iter().collect();
     worst.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
-    for ((shown, missing), count) in worst.into_iter().take(TRACTS) {
+    for ((a, b), count) in worst.into_iter().take(TRACTS) {
         let share = 100.0 * *count as f32 / sum.all.feathers.max(1) as f32;
-        println!(
-            "  {share:.3} %: {} shows instead of {}",
-            name(shown),
-            name(missing)
-        );
+        println!("  {share:.3} %: {}", text(a, b));
     }
 }
 
