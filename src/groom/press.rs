@@ -175,3 +175,32 @@ fn asked(joints: usize, fans: &[FanJoint], leaves: &[Leaf]) -> Vec<f32> {
     }
     sums
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_way_between_two_poses_is_a_screw() {
+        let a = Affine3A::from_rotation_translation(
+            Quat::from_rotation_y(0.3),
+            Vec3::new(0.1, 0.0, 0.2),
+        );
+        let pivot = Vec3::new(0.4, -0.2, 0.1);
+        let turned = |angle: f32, slide: f32| {
+            let turn = Quat::from_rotation_z(angle);
+            Affine3A::from_rotation_translation(turn, pivot - turn * pivot + Vec3::Z * slide) * a
+        };
+        for angle in [0.0, 1.0e-4, 1.2, -2.8] {
+            let b = turned(angle, 0.07);
+            for share in [0.0, 0.35, 1.0] {
+                let found = between(&a, &b, share);
+                let wanted = turned(angle * share, 0.07 * share);
+                assert!(
+                    found.abs_diff_eq(wanted, 1.0e-4),
+                    "{angle}, {share}: {found} {wanted}"
+                );
+            }
+        }
+    }
+}

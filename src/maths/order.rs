@@ -18,7 +18,7 @@ pub const WINDOW_MOST: f32 = 0.5;
 /// Steps of a window, the wider the wider it is: a window is the square of its step.
 pub const WINDOW_STEPS: u16 = 7;
 /// Window of a feather that wind or ruffle has turned by [`STIRRED_ANGLE`], widths: what was settled is in order no more.
-pub const STIRRED_WINDOW: f32 = 0.2;
+pub const STIRRED_WINDOW: f32 = 0.3;
 /// Turn, radians, from which that window is open.
 pub const STIRRED_ANGLE: f32 = 0.1;
 /// Steps of how far a feather is held down.

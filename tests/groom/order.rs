@@ -59,23 +59,23 @@ struct Bounds {
 const BOUNDS: [Bounds; 3] = [
     Bounds {
         name: "parrot",
-        quiet: [(1.41, 0.5), (0.33, 0.04)],
+        quiet: [(1.41, 0.5), (0.32, 0.05)],
         stretch: (3.38, [(0.73, 0.2), (0.24, 0.03)]),
     },
     Bounds {
         name: "eagle",
-        quiet: [(2.5, 0.07), (0.65, 0.05)],
-        stretch: (4.05, [(1.51, 0.05), (0.3, 0.02)]),
+        quiet: [(2.7, 0.07), (0.49, 0.04)],
+        stretch: (4.05, [(1.47, 0.05), (0.35, 0.03)]),
     },
     Bounds {
         name: "owl",
         quiet: [(3.8, 0.3), (0.71, 0.05)],
-        stretch: (4.05, [(2.3, 0.36), (0.87, 0.19)]),
+        stretch: (4.05, [(2.39, 0.44), (0.87, 0.19)]),
     },
 ];
 
 /// Flicker per 1/30 s while the bird is quiet, by depth alone and with the usual window.
-const FLICKER: [f32; 2] = [0.055, 0.038];
+const FLICKER: [f32; 2] = [0.065, 0.038];
 /// Pixels of the body that the window paints over.
 const PAINTED: f32 = 0.042;
 /// Feathers shaded at a pixel with the usual window.

@@ -12,7 +12,7 @@ fn order_reach(window: f32, facing: f32, along: f32) -> f32 {
 const UNSETTLED_WINDOW: f32 = 0.1;
 const WINDOW_MOST: f32 = 0.5;
 const WINDOW_STEPS: f32 = 7.0;
-const STIRRED_WINDOW: f32 = 0.2;
+const STIRRED_WINDOW: f32 = 0.3;
 const STIRRED_ANGLE: f32 = 0.1;
 const HELD_STEPS: f32 = 3.0;
 const RAISED_MOST: f32 = 1023.0;
