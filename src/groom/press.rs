@@ -122,6 +122,8 @@ fn open_between(
 fn between(a: &Affine3A, b: &Affine3A, share: f32) -> Affine3A {
     let way = *b * a.inverse();
     let turn = rotation(way.matrix3);
+    // The shorter way round.
+    let turn = if turn.w < 0.0 { -turn } else { turn };
     let (axis, angle) = turn.to_axis_angle();
     let step = Vec3::from(way.translation);
     // The point of the axis nearest to the origin, and how far the joint goes along it.
