@@ -79,7 +79,10 @@ charts: setup
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin query_charts
 	$(CARGO) run --features comparison --example parrot -- --headless --scene studio --size 240x135 --time 0 --camera closeup --compare docs/charts/parrot_closeup.json
 	$(CARGO) run --features comparison --example parrot -- --headless --scene studio --size 1280x720 --time 0 --camera hero --transparency hashed --compare docs/charts/parrot_hero.json
-	$(CARGO) run --example parrot -- --headless --scene studio --size 480x270 --time 0 --light-cost docs/charts/light_budget.csv
+	mkdir -p target/charts
+	$(CARGO) run --example parrot -- --headless --scene studio --size 480x270 --time 0 --light-cost target/charts/light_budget.csv
+	$(CARGO) run --example parrot -- --headless --scene studio --size 240x135 --time 0 --transparency hashed --cost-table target/charts/cost.csv
+	$(CARGO) run -p plumage_tools --bin cost_charts -- target/charts
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin photo_charts
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin undercoat_charts
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin fur_charts
