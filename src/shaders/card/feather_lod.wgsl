@@ -35,7 +35,7 @@ fn feather_vane(base: u32, slot: u32) -> Vane {
 
 // Cards of about 40 pixels have as many fragments as are worth their vertices: below the first number none is lit there, from the second on
 // all of it.
-const LIT_PIXELS: vec2<f32> = vec2(34.0, 46.0);
+const LIT_PIXELS: vec2<f32> = vec2(37.0, 43.0);
 // Over the distance where averages begin to do, less 1: all of a card is lit there.
 const LIT_FAR: f32 = 0.25;
 
