@@ -71,35 +71,43 @@ fn light(from: &Path, charts: &Path) -> Result<()> {
             rmse,
         } = off;
         writeln!(table, "{},{rmse:.2},{flip:.4},{flip_99:.3}", row.join(","))?;
-        found.push((row[5].parse::<f64>()?, off));
+        let budget: f64 = row[0].parse()?;
+        if budget > 0.0 {
+            found.push((budget, row[5].parse()?, off));
+        }
     }
     print!("{table}");
-    let curve = |of: &dyn Fn(&Difference) -> f32| -> Vec<(f64, f64)> {
-        found
-            .iter()
-            .map(|(time, off)| (*time, f64::from(of(off))))
-            .collect()
+    let curve = |of: &dyn Fn(&Difference, f64) -> f64| -> Vec<(f64, f64)> {
+        let point = |(budget, time, off): &(f64, f64, Difference)| (*budget, of(off, *time));
+        found.iter().map(point).collect()
     };
     let curves: Vec<Curve> = vec![
-        ("RMSE of the picture, of 255".into(), curve(&|off| off.rmse)),
+        (
+            "RMSE of the picture, of 255".into(),
+            curve(&|off, _| f64::from(off.rmse)),
+        ),
         (
             "FLIP, 99th percentile, times 10".into(),
-            curve(&|off| 10.0 * off.flip_99),
+            curve(&|off, _| 10.0 * f64::from(off.flip_99)),
         ),
         (
             "FLIP, mean, times 100".into(),
-            curve(&|off| 100.0 * off.flip),
+            curve(&|off, _| 100.0 * f64::from(off.flip)),
+        ),
+        (
+            "frame, over that with all light in fragments".into(),
+            curve(&|_, time| time),
         ),
     ];
     let labels = Labels {
-        title: "Light at vertices: error over time, for the light budgets",
-        x: "frame, over all light in fragments",
-        y: "error",
+        title: "Light at vertices: error and time over the light budget",
+        x: "light budget",
+        y: "error, time",
     };
     draw(
         &charts.join("light_budget.svg"),
         &labels,
-        [false, false],
+        [true, false],
         &curves,
     )?;
     // In the place of the curves' own table.
