@@ -2,7 +2,7 @@
 CARGO ?= cargo
 ARGS ?=
 
-.PHONY: help minimal parrot eagle owl pigeon flock wind single fur chick inspector tour test test-long golden gallery charts bench gpu-cost judge blender docs birds feathers tables setup
+.PHONY: help minimal parrot eagle owl pigeon flock wind single fur chick inspector tour test test-long golden gallery charts bench gpu-cost judge blender docs birds feathers tables setup setup-tests
 
 help:
 	@echo "Examples: a window, or off screen without a display; ARGS='--camera closeup' passes options, ARGS=--help lists them."
@@ -33,6 +33,9 @@ help:
 setup:
 	@./scripts/setup.sh
 
+setup-tests:
+	@./scripts/setup.sh tests
+
 parrot eagle owl pigeon flock wind fur chick: setup
 	$(CARGO) run --example $@ -- $(ARGS)
 
@@ -51,7 +54,7 @@ tour:
 	./scripts/tour.sh 1
 	./scripts/tour.sh 2
 
-test: setup
+test: setup-tests
 	$(CARGO) fmt --all --check
 	@if $(CARGO) tree --all-features -d 2>/dev/null | grep -E '^(egui|wgpu|naga|bevy) v'; then echo "more than one egui, wgpu, naga or bevy"; exit 1; fi
 	./scripts/one_egui.sh
@@ -61,10 +64,10 @@ test: setup
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --lib --examples --all-features
 
 # Left out: a gap that the limits name.
-test-long: setup
+test-long: setup-tests
 	$(CARGO) test --workspace --all-features --test "*" -- --ignored --skip near_light_from_behind
 
-golden: setup
+golden: setup-tests
 	PLUMAGE_GOLDEN=write $(CARGO) test --workspace --all-features --test view --test undercoat -- golden:: render::
 
 gallery:
@@ -72,21 +75,24 @@ gallery:
 	$(CARGO) build --examples --features inspector,photo
 	./scripts/gallery.sh
 
-charts: setup
+charts: setup-tests
 	$(CARGO) run -p plumage_tools --bin scattering_charts
 	$(CARGO) run -p plumage_tools --bin transparency_chart
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin iridescence_charts
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin query_charts
 	$(CARGO) run --features comparison --example parrot -- --headless --scene studio --size 240x135 --time 0 --camera closeup --compare docs/charts/parrot_closeup.json
 	$(CARGO) run --features comparison --example parrot -- --headless --scene studio --size 1280x720 --time 0 --camera hero --transparency hashed --compare docs/charts/parrot_hero.json
-	$(CARGO) run --example parrot -- --headless --scene studio --size 480x270 --time 0 --light-cost docs/charts/light_budget.csv
+	mkdir -p target/charts
+	$(CARGO) run --example parrot -- --headless --scene studio --size 480x270 --time 0 --light-cost target/charts/light_budget.csv
+	$(CARGO) run --example parrot -- --headless --scene studio --size 240x135 --time 0 --transparency hashed --cost-table target/charts/cost.csv
+	$(CARGO) run -p plumage_tools --bin cost_charts -- target/charts
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin photo_charts
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin undercoat_charts
 	$(CARGO) run --config 'profile.dev.opt-level=3' -p plumage_tools --bin fur_charts
 
 # Needs python3 with venv, and LLVM 17 or later (libllvm19 of Debian); DRJIT_LIBLLVM_PATH names it where it is not found.
 JUDGED = crates/plumage_reference/data/judged_vanes.csv
-judge: setup
+judge: setup-tests
 	python3 -m venv judge/.venv
 	judge/.venv/bin/pip install --quiet --requirement judge/requirements.txt
 	DRJIT_LIBLLVM_PATH="$${DRJIT_LIBLLVM_PATH:-$$(ls /usr/lib/*/libLLVM-1[7-9].so /usr/lib/*/libLLVM.so.* 2>/dev/null | head -1)}" \
@@ -97,11 +103,11 @@ judge: setup
 blender: setup
 	CARGO="$(CARGO)" ./scripts/blender.sh
 
-bench: setup
+bench: setup-tests
 	$(CARGO) bench -p plumage_benches --profile dev --config 'profile.dev.opt-level=3'
 
 gpu-cost:
-	@./scripts/setup.sh radeon
+	@./scripts/setup.sh radeon tests
 	$(CARGO) run -p plumage_tools --bin gpu_cost -- --save $(ARGS)
 
 docs: setup

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is missing to build and render: a C linker and a Vulkan driver; with the argument `pictures` also ImageMagick, with
-# `window` a virtual display and a tool that moves its mouse, with `radeon` Mesa's driver for Radeons and Vulkan's headers. Does
-# nothing where everything is present.
+# `window` a virtual display and a tool that moves its mouse, with `radeon` Mesa's driver for Radeons and Vulkan's headers, with `tests` a
+# C++ compiler (for FLIP). Does nothing where everything is present.
 set -euo pipefail
 
 need=()
@@ -20,6 +20,7 @@ for word in "$@"; do
         command -v Xvfb >/dev/null 2>&1 || need+=(xvfb)
         command -v xdotool >/dev/null 2>&1 || need+=(xdotool)
         ;;
+    tests) command -v c++ >/dev/null 2>&1 || need+=(g++) ;;
     radeon)
         has_library libvulkan_radeon.so || need+=(mesa-vulkan-drivers)
         [ -e /usr/include/vulkan/vulkan.h ] || need+=(libvulkan-dev)

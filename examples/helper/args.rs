@@ -236,7 +236,11 @@ pub struct Args {
     /// each in turn, and print both.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..), help_heading = "Off screen")]
     pub cards_cost: Option<u32>,
-    /// Draw the scene under several light budgets; write what each costs and how wrong it is, as a table.
+    /// `parrot`: time the scene over the number of feathers, the size of the picture and the number of lights, beside the same cards in a
+    /// `StandardMaterial`; write it as a table.
+    #[arg(long, help_heading = "Off screen")]
+    pub cost_table: Option<PathBuf>,
+    /// Draw the scene under several light budgets; write what each costs and how wrong it is, as a table, and its pictures beside it.
     #[arg(long, help_heading = "Off screen")]
     pub light_cost: Option<PathBuf>,
     /// Render by every way to find coverage; write what each costs and how wrong it is, as JSON.

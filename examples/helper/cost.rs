@@ -1,7 +1,7 @@
 //! Things against each other, frames in turn, in one run: a feather with and without thin layers, feathers and plain cards, light in
 //! fragments and at vertices.
 
-use super::headless::{capture, frame};
+use super::headless::{Apps, capture, frame};
 use bevy::{diagnostic::DiagnosticsStore, prelude::*, render::renderer::RenderAdapterInfo};
 use bevy_plumage::prelude::*;
 use cpu_time::ProcessTime;
@@ -31,17 +31,17 @@ fn cards_of(app: &App, class: &str) -> f64 {
 }
 
 /// Frames after a change of what is shown until every pass draws it.
-const SETTLE: usize = 2;
+pub const SETTLE: usize = 2;
 
 /// Processor seconds of one frame, with every thread that draws it.
-fn seconds(app: &mut App) -> f64 {
+pub fn seconds(app: &mut App) -> f64 {
     let start = ProcessTime::now();
     frame(app);
     start.elapsed().as_secs_f64()
 }
 
 /// The least: what other programs do to the caches only adds.
-fn least(list: &[f64]) -> f64 {
+pub fn least(list: &[f64]) -> f64 {
     list.iter().copied().fold(f64::NAN, f64::min)
 }
 
@@ -93,9 +93,7 @@ const WARM_UP: usize = 3;
 /// `StandardMaterial`, over `rounds` rounds; of the feathers also with those drawn that the skin hides. Prints the least of each, their
 /// ratios, and by how much hidden cards change the picture. What was said of [`run`] holds here, too.
 pub fn compare_cards(
-    feathers: &mut App,
-    image: &Handle<Image>,
-    cards: &mut App,
+    [(feathers, image), (cards, _)]: Apps,
     rounds: u32,
     name: &str,
 ) -> Result<(), String> {
@@ -186,13 +184,18 @@ fn differences(shown: &[u8], truth: &[u8], bare: &[u8]) -> [f64; 3] {
 
 /// Draws the scene under several light budgets and writes a table: share of the cards that are lit at their vertices, what that does
 /// to the pixels with feathers, processor time of a frame over that of one whose fragments are all lit. The picture is the same frame
-/// in all but that.
+/// in all but that; pictures go beside `file`, named after the budgets.
 pub fn light(app: &mut App, image: &Handle<Image>, file: &Path) -> Result<(), String> {
     let mut pictures = Vec::new();
     let mut shares = Vec::new();
     for budget in LIGHT_BUDGETS {
         set_light_budget(app, budget);
-        pictures.push(capture(app, image.clone())?.to_rgb8().into_raw());
+        let picture = capture(app, image.clone())?.to_rgb8();
+        let path = file.with_extension(format!("{budget}.png"));
+        picture
+            .save(&path)
+            .map_err(|error| format!("{}: {error}", path.display()))?;
+        pictures.push(picture.into_raw());
         for _ in 0..SETTLE {
             frame(app);
         }

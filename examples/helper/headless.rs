@@ -18,7 +18,7 @@ use bevy::{
     prelude::*,
     render::{
         camera::TemporalJitter,
-        render_resource::{PollType, TextureFormat, TextureUsages},
+        render_resource::{Extent3d, PollType, TextureFormat, TextureUsages},
         renderer::{RenderAdapterInfo, RenderDevice},
         view::{
             ColorGrading,
@@ -93,23 +93,50 @@ fn prepare(app: &mut App, name: &str, args: &Args) -> Result<Handle<Image>, Stri
     Ok(image)
 }
 
-/// Times the scene with feathers and with plain cards, see [`cost::compare_cards`](super::cost::compare_cards).
-pub fn compare_cards([mut feathers, mut cards]: [App; 2], name: &str, rounds: u32) -> AppExit {
+/// Two apps that show the same scene, with feathers and with cards in a `StandardMaterial`, and what they draw to.
+pub type Apps<'a> = [(&'a mut App, &'a Handle<Image>); 2];
+
+/// Gets both apps ready for `measure`.
+pub fn compare(
+    [mut feathers, mut cards]: [App; 2],
+    name: &str,
+    measure: impl FnOnce(Apps) -> Result<(), String>,
+) -> AppExit {
     let ready = |app: &mut App| {
         let args = app.world().resource::<Args>().clone();
         prepare(app, name, &args)
     };
-    let outcome = ready(&mut feathers).and_then(|image| {
-        ready(&mut cards)?;
-        super::cost::compare_cards(&mut feathers, &image, &mut cards, rounds, name)
+    let outcome = ready(&mut feathers).and_then(|own| {
+        let plain = ready(&mut cards)?;
+        measure([(&mut feathers, &own), (&mut cards, &plain)])
     });
     std::mem::forget((feathers, cards));
     match outcome {
-        Ok(_) => AppExit::Success,
+        Ok(()) => AppExit::Success,
         Err(error) => {
             eprintln!("{name}: {error}");
             AppExit::error()
         }
+    }
+}
+
+/// Waits for coats that have been changed.
+pub fn regrow(app: &mut App, name: &str) -> Result<(), String> {
+    app.init_resource::<Closed>();
+    load(app, name)?;
+    open_cameras(app);
+    Ok(())
+}
+
+/// Gives the picture another size.
+pub fn resize(app: &mut App, image: &Handle<Image>, (width, height): (u32, u32)) {
+    let mut images = app.world_mut().resource_mut::<Assets<Image>>();
+    if let Some(mut image) = images.get_mut(image) {
+        image.resize(Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        });
     }
 }
 

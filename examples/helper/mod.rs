@@ -12,6 +12,7 @@ pub mod camera;
 pub mod compare;
 pub mod controls;
 pub mod cost;
+pub mod cost_table;
 pub mod growth;
 pub mod headless;
 pub mod help;
@@ -50,19 +51,20 @@ pub fn run(name: &'static str, scene: fn(&mut App)) -> AppExit {
         );
         return AppExit::error();
     }
-    if let Some(rounds) = args.cards_cost {
-        let with = |path| {
-            build(
-                name,
-                scene,
-                &Args {
-                    path,
-                    ..args.clone()
-                },
-            )
-        };
-        let apps = [FeatherPath::Full, FeatherPath::Fallback].map(with);
-        return headless::compare_cards(apps, name, rounds);
+    if args.cards_cost.is_some() || args.cost_table.is_some() {
+        let apps = [FeatherPath::Full, FeatherPath::Fallback].map(|path| {
+            let args = Args {
+                path,
+                ..args.clone()
+            };
+            build(name, scene, &args)
+        });
+        return headless::compare(apps, name, |apps| {
+            match (args.cards_cost, &args.cost_table) {
+                (_, Some(file)) => cost_table::run(apps, name, args.size, file),
+                (rounds, None) => cost::compare_cards(apps, rounds.unwrap_or(1), name),
+            }
+        });
     }
     let mut app = build(name, scene, &args);
     if args.off_screen() {

@@ -11,6 +11,7 @@ mod gpu;
 mod gpu_facets;
 mod gpu_near;
 mod interference;
+mod interpolated;
 mod judged;
 mod near;
 mod sample;

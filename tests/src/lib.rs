@@ -12,6 +12,7 @@ pub mod cases;
 pub mod curves;
 pub mod feather_card;
 pub mod fibres;
+pub mod flip;
 pub mod geometry;
 pub mod golden;
 pub mod gpu;

@@ -4,11 +4,13 @@
 
 mod accumulate;
 mod bare;
+mod borders;
 mod cameras;
 mod culling;
 mod debug;
 mod edit_cost;
 mod environment;
+mod far;
 mod golden;
 mod hidden;
 mod life_cycle;

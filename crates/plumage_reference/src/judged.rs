@@ -7,8 +7,8 @@
 
 use bevy_plumage::maths::{
     query::{
-        Vane, grating_frequency, mask_vane, mean_coverage, vane_caught, vane_eye, vane_ray,
-        vane_shadow,
+        Vane, VaneEye, grating_frequency, mask_vane, mean_coverage, vane_caught, vane_eye,
+        vane_ray, vane_shadow,
     },
     scattering::{
         Fibre, FibreKind, FibreLobes, FibreReach, FibreRow, FibreShading, FibreTable, KeptLight,
@@ -66,6 +66,13 @@ struct Again {
     spread: f64,
     cone: f64,
     direct: f64,
+}
+
+/// What an eye sees of a vane.
+struct Seen {
+    covered: [f64; 3],
+    sight: VaneEye<f64>,
+    shadings: [FibreShading<f64>; 3],
 }
 
 /// One of the vanes in the table.
@@ -197,6 +204,36 @@ impl Subject {
         }
     }
 
+    /// What an eye sees of a vane, whatever lights it.
+    fn seen(&self, color: f64, eye: [f64; 3]) -> Seen {
+        let place = mirror_place(&self.table);
+        Seen {
+            covered: self.coverage(eye),
+            sight: vane_eye(&self.vane, self.canonical(eye), [place; 2]),
+            shadings: [1, 2, 3].map(|part| self.shading(part, eye, color).1),
+        }
+    }
+
+    /// Radiance to that eye over irradiance of a light.
+    fn lit(&self, seen: &Seen, eye: [f64; 3], light: [f64; 3]) -> f64 {
+        let direction = self.canonical(light);
+        let to = vane_ray(&seen.sight, direction);
+        let reached = vane_shadow(&seen.sight, &to);
+        let caught =
+            vane_caught(&seen.sight.shape, &to.storeys, to.facing) / (4.0 * PI * self.caught);
+        let mut sum = 0.0;
+        for (k, shading) in seen.shadings.iter().enumerate() {
+            let part = k + 1;
+            let tangent = part_tangent(&self.vane, part);
+            let lobes = fibre_lobes(shading, fibre_local(tangent, [0.0, 0.0, 1.0], direction));
+            let direct =
+                reached[part].mirror * lobes.mirror[0] + reached[part].even * lobes.even[0];
+            let again = self.again(part, eye, shading);
+            sum += seen.covered[k] * (again.cone * direct + again.spread * caught);
+        }
+        sum
+    }
+
     /// Light of one fibre, and all light, from a cone around `light`. `k`: of each part's fibre alone.
     fn light(&self, color: f64, eye: [f64; 3], light: [f64; 3], k: [[f64; 2]; 3]) -> [f64; 2] {
         let covered = self.coverage(eye);
@@ -318,31 +355,36 @@ pub fn furnace_by_lights(fibres: WhiteFibre, eye: [f64; 3]) -> Option<f64> {
     } else {
         1.0
     };
-    let covered = subject.coverage(eye);
-    let place = mirror_place(&subject.table);
-    let sight = vane_eye(&subject.vane, subject.canonical(eye), [place; 2]);
-    let shadings = [1, 2, 3].map(|part| subject.shading(part, eye, color).1);
+    let seen = subject.seen(color, eye);
     let mut sum = 0.0;
     for i in 0..DIRECTIONS {
         let z = 1.0 - 2.0 * (i as f64 + 0.5) / DIRECTIONS as f64;
         let (sin, cos) = (2.399_963_229_728_653 * i as f64).sin_cos();
         let r = (1.0 - z * z).sqrt();
-        let direction = subject.canonical([r * cos, r * sin, z]);
-        let to = vane_ray(&sight, direction);
-        let reached = vane_shadow(&sight, &to);
-        let caught =
-            vane_caught(&sight.shape, &to.storeys, to.facing) / (4.0 * PI * subject.caught);
-        for (k, shading) in shadings.iter().enumerate() {
-            let part = k + 1;
-            let tangent = part_tangent(&subject.vane, part);
-            let lobes = fibre_lobes(shading, fibre_local(tangent, [0.0, 0.0, 1.0], direction));
-            let direct =
-                reached[part].mirror * lobes.mirror[0] + reached[part].even * lobes.even[0];
-            let again = subject.again(part, eye, shading);
-            sum += covered[k] * (again.cone * direct + again.spread * caught);
-        }
+        sum += subject.lit(&seen, eye, [r * cos, r * sin, z]);
     }
-    Some(sum * 4.0 * PI / DIRECTIONS as f64 / covered.iter().sum::<f64>())
+    Some(sum * 4.0 * PI / DIRECTIONS as f64 / seen.covered.iter().sum::<f64>())
+}
+
+/// A vane of fibres as rough as the presets', painted in one color.
+pub struct PaintedVane(Subject, f64);
+
+impl PaintedVane {
+    /// `covert`, `remex` or `eagle`; absorption of the color, or reflectance of a remex's cores.
+    pub fn new(name: &str, color: f64) -> Option<Self> {
+        let kind = fibre(name == "remex").kind;
+        let fibre = Fibre {
+            kind,
+            ..Fibre::default()
+        };
+        Some(Self(Subject::of(name, fibre)?, color))
+    }
+
+    /// Radiance to an eye over irradiance of a light, over what is covered; directions across and along the barbs, up.
+    pub fn radiance(&self, eye: [f64; 3], light: [f64; 3]) -> f64 {
+        let seen = self.0.seen(self.1, eye);
+        self.0.lit(&seen, eye, light) / seen.covered.iter().sum::<f64>().max(1e-9)
+    }
 }
 
 /// Compares the crate with a table; rows that it does not know are left out.

@@ -7,7 +7,7 @@
     feather_io::{FeatherVertex, class_of},
     feather_lighting as light,
     feather_near::{NearFootprint, near_footprint},
-    feather_opacity::{LEAST_OPACITY, leaves_hole, sample_bits},
+    feather_opacity::{LEAST_OPACITY, is_left_out, leaves_hole, sample_bits},
     feather_shadow::{Reaches, caught_light, kept_light, kept_place, light_ray, reach_of, reaches_of, shadowing_of},
     scattering::{
         FIBRE_PARAMETER_LENGTH, FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreReach, FibreRow, PARALLEL_MEETINGS, fibre_along, fibre_lit, fibre_lobes,
@@ -146,6 +146,11 @@ fn fragment(in: FeatherVertex) -> FeatherColor {
     let albedo = albedo_of(in, feather, front);
     let covered = cover(in, base, shape, frame, class_of(in));
     var out: FeatherColor;
+#ifdef ONLY_MEAN
+    if (is_left_out(in)) {
+        discard;
+    }
+#endif
 #ifdef DEPTH_DECIDED
     // The depth prepass left the holes out.
     let opacity = max(dot(covered.weights, vec4(1.0)), LEAST_OPACITY);

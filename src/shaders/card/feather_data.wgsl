@@ -48,6 +48,16 @@ const CARD_LIT: u32 = 5u;
 // Behind the skin.
 const CARD_HIDDEN: u32 = 6u;
 
+// What is kept of a card beside its class: of a LIT one, how many of `LIT_SHARES` of its pixels the pipeline of that class draws; the rest is
+// MEAN's. Cards come and go through all of them, so that none changes at once.
+const LIT_SHARES: u32 = 31u;
+fn lod_bits(level: u32, lit: u32) -> u32 { return level | (lit << 3u); }
+fn lod_class(bits: u32) -> u32 { return bits & 7u; }
+fn lod_lit(bits: u32) -> u32 { return (bits >> 3u) & 31u; }
+// The same with the number of the card, as fragments know it.
+fn card_bits(lod: u32, index: u32) -> u32 { return lod | (index << 8u); }
+fn card_index(bits: u32) -> u32 { return bits >> 8u; }
+
 // Rows of the motion table before its regions: wind (2), worn poses (2), lights (2).
 const MOTION_WORN: u32 = 2u;
 const MOTION_LIGHTS: u32 = 4u;

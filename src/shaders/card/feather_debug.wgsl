@@ -46,7 +46,7 @@ fn debug_color(view: u32, in: FeatherVertex, base: u32, shape: vec4<f32>, covere
                 level == data::CARD_MIXED,
             );
         }
-        case VIEW_CARD: { return hash_color(in.card.w >> 3u); }
+        case VIEW_CARD: { return hash_color(data::card_index(in.card.w)); }
         case VIEW_LAYER: { return vec3(data::card_layer(in.card.x)); }
         case VIEW_BARB: { return hash_color(barb_number(in, base, shape)); }
         default: { return frame.normal * 0.5 + 0.5; }

@@ -53,5 +53,5 @@ fn hide(@builtin(global_invocation_id) id: vec3<u32>) {
         level = data::CARD_HIDDEN;
         lods::lod[id.x] = level;
     }
-    atomicAdd(&lods::grid[min(level, data::CARD_HIDDEN)], 1u);
+    atomicAdd(&lods::grid[min(data::lod_class(level), data::CARD_HIDDEN)], 1u);
 }

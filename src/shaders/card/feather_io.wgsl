@@ -29,7 +29,7 @@ struct FeatherVertex {
     @location(2) uv: vec2<f32>,
     // Direction of the rachis; w: sign of the bitangent.
     @location(3) world_tangent: vec4<f32>,
-    // Feather bits, tint, seed, (class | card << 3).
+    // Feather bits, tint, seed, class and number of the card (data::card_bits).
     @location(4) @interpolate(flat) card: vec4<u32>,
     @location(5) @interpolate(flat) instance_index: u32,
 #ifdef VISIBILITY_RANGE_DITHER
@@ -65,6 +65,6 @@ fn class_of(in: FeatherVertex) -> u32 {
 #else ifdef ONLY_FAR
     return data::CARD_FAR;
 #else
-    return in.card.w & 7u;
+    return data::lod_class(in.card.w);
 #endif
 }

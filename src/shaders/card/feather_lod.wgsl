@@ -33,8 +33,11 @@ fn feather_vane(base: u32, slot: u32) -> Vane {
     );
 }
 
-// Cards of fewer pixels have too few fragments to be worth their vertices.
-const LEAST_PIXELS: f32 = 40.0;
+// Cards of about 40 pixels have as many fragments as are worth their vertices: below the first number none is lit there, from the second on
+// all of it.
+const LIT_PIXELS: vec2<f32> = vec2(37.0, 43.0);
+// Over the distance where averages begin to do, less 1: all of a card is lit there.
+const LIT_FAR: f32 = 0.25;
 
 // The least of the cosines between a card's normal and eye and lights.
 fn least_facing(normal: vec3<f32>, eye: vec3<f32>) -> f32 {
@@ -61,7 +64,7 @@ fn eye_of(place: vec3<f32>) -> vec3<f32> {
     return select(normalize(lods::view.world_position - place), lods::view.world_from_view[2].xyz, is_orthographic);
 }
 
-// `world_from_local`: at the root.
+// Class of a card, as data::lod_bits. `world_from_local`: at the root.
 fn classify_card(card: data::Card, world_from_local: mat4x4<f32>) -> u32 {
     let center = (world_from_local * vec4(card.center, 1.0)).xyz;
     // The largest stretch of the matrix bounds the sphere; the stretch along the rachis scales the feather.
@@ -88,8 +91,9 @@ fn classify_card(card: data::Card, world_from_local: mat4x4<f32>) -> u32 {
     let slant = select(nearest / max(length(vec2(nearest, aside + radius)), 1e-9), 1.0, is_orthographic);
     let minor = PIXEL_SIGMA * pixel * nearest * slant * LEAST_STRETCH * min(along, across);
     let major = PIXEL_SIGMA * pixel * farthest * max(along, across) * MAX_ASPECT;
-    let left = classify_bounds(feather_vane(base, data::LEFT_VANE), minor, major, lods::params.threshold);
-    let right = classify_bounds(feather_vane(base, data::RIGHT_VANE), minor, major, lods::params.threshold);
+    let vanes = array(feather_vane(base, data::LEFT_VANE), feather_vane(base, data::RIGHT_VANE));
+    let left = classify_bounds(vanes[0], minor, major, lods::params.threshold);
+    let right = classify_bounds(vanes[1], minor, major, lods::params.threshold);
     let level = select(data::CARD_MIXED, left, left == right);
     if (level != data::CARD_MEAN || lods::params.light_budget <= 0.0) {
         return level;
@@ -97,8 +101,14 @@ fn classify_card(card: data::Card, world_from_local: mat4x4<f32>) -> u32 {
     let world_normal = normalize((world_from_local * vec4(card.normal, 0.0)).xyz);
     let step = pixel * select(depth, 1.0, is_orthographic);
     let pixels = feather_length * feather_length * card.width / max(card.length * step * step, 1e-12);
-    let lit = pixels >= LEAST_PIXELS && vertex_light_error(data::card_turn(card.tint), least_facing(world_normal, eye_of(center))) <= lods::params.light_budget;
-    return select(data::CARD_MEAN, data::CARD_LIT, lit);
+    let error = vertex_light_error(data::card_turn(card.tint), least_facing(world_normal, eye_of(center))) / lods::params.light_budget;
+    let period = max(max(vanes[0].p_b, vanes[0].d_bl), max(vanes[1].p_b, vanes[1].d_bl));
+    let mean = minor / period * inverseSqrt(lods::params.threshold);
+    // Twice the budget is too much for any of it.
+    let most = min(2.0 - error, (mean - 1.0) / LIT_FAR);
+    let share = min((pixels - LIT_PIXELS.x) / (LIT_PIXELS.y - LIT_PIXELS.x), most);
+    let lit = u32(clamp(share, 0.0, 1.0) * f32(data::LIT_SHARES) + 0.5);
+    return select(data::CARD_MEAN, data::lod_bits(data::CARD_LIT, lit), lit > 0u);
 }
 
 @compute @workgroup_size(64)
@@ -111,7 +121,7 @@ fn classify(@builtin(global_invocation_id) id: vec3<u32>) {
     let level = classify_card(card, world_from_local);
     lods::lod[id.x] = level;
     if (lods::params.hides == 0u) {
-        atomicAdd(&lods::grid[min(level, data::CARD_HIDDEN)], 1u);
+        atomicAdd(&lods::grid[min(data::lod_class(level), data::CARD_HIDDEN)], 1u);
     } else if (level != data::CARD_CULLED) {
         let stretch = length((world_from_local * vec4(card.along, 0.0)).xyz);
         let eye = eye_of((world_from_local * vec4(card.center, 1.0)).xyz);

@@ -3,6 +3,7 @@
 #define_import_path bevy_plumage::feather_opacity
 #import bevy_plumage::{
     feather_bindings::settings,
+    feather_data as data,
     feather_io::FeatherVertex,
     feather_pattern::{hash, hashed_threshold, pattern_threshold, sample_mask},
 }
@@ -37,10 +38,25 @@ fn leaves_hole(in: FeatherVertex, opacity: f32, aspect: f32) -> bool {
 #endif
 }
 
+#ifdef ONLY_MEAN
+// Whether the other one of MEAN and LIT draws the pixel: they share a card that is on its way from one to the other.
+fn is_left_out(in: FeatherVertex) -> bool {
+    let pixel = vec2<u32>(in.position.xy);
+    let card = data::card_index(in.card.w);
+    let lit = data::lod_lit(in.card.w);
+    let is_lit = lit >= data::LIT_SHARES || hash(card ^ hash(pixel.x ^ (pixel.y << 16u))) >> 27u < lit;
+#ifdef ONLY_LIT
+    return !is_lit;
+#else
+    return is_lit;
+#endif
+}
+#endif
+
 #ifdef SAMPLE_COVERAGE
 // The multisampling samples that the fragment covers.
 fn sample_bits(in: FeatherVertex, opacity: f32) -> u32 {
-    let card = in.card.w >> 3u;
+    let card = data::card_index(in.card.w);
     let threshold = select(0.5, pattern_threshold(in.position.xy, card), settings.dither != 0u);
     let pixel = vec2<u32>(in.position.xy);
     // Other samples in every pixel and for every card, so that no two cards always share theirs.

@@ -116,15 +116,16 @@ fn is_light() -> bool {
 #endif
 }
 
-// Whether this pipeline draws cards of a class. Shadows of all classes are drawn by one pipeline.
-fn is_drawn(level: u32) -> bool {
+// Whether this pipeline draws cards of a class, `bits` as the LOD pass wrote them. Shadows of all classes are drawn by one pipeline.
+fn is_drawn(bits: u32) -> bool {
     if (is_light()) {
         return true;
     }
+    let level = data::lod_class(bits);
 #ifdef ONLY_LIT
     return level == data::CARD_LIT;
 #else ifdef ONLY_MEAN
-    return level == data::CARD_MEAN;
+    return level == data::CARD_MEAN || (level == data::CARD_LIT && data::lod_lit(bits) < data::LIT_SHARES);
 #else ifdef ONLY_FAR
     return level == data::CARD_FAR;
 #else ifdef ONLY_RESOLVED
@@ -157,7 +158,7 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
     let at = index * data::CARD_LENGTH;
     let card = data::card_decode(cards[at], cards[at + 1u], cards[at + 2u], cards[at + 3u], cards[at + 4u]);
     let level = lod[min(index, arrayLength(&lod) - 1u)];
-    out.card = vec4(card.feather, card.tint, card.seed, level | (index << 3u));
+    out.card = vec4(card.feather, card.tint, card.seed, data::card_bits(level, index));
     out.uv = vertex.uv;
     out.instance_index = vertex.instance_index;
     if (!is_drawn(level)) {

@@ -12,7 +12,7 @@
     feather_cover::{cover, frame_of},
     feather_data as data,
     feather_io::{CardVertex, FeatherVertex, class_of},
-    feather_opacity::leaves_hole,
+    feather_opacity::{is_left_out, leaves_hole},
     feather_pattern::pattern_threshold,
     feather_place::{is_light, place},
     masking::{barb_strip, seen_cell, storeys},
@@ -82,13 +82,16 @@ fn silhouette(in: FeatherVertex) -> Silhouette {
     var found: Silhouette;
     if (is_light()) {
         let opacity = shadow_opacity(in, base, shape);
-        found.hole = opacity < pattern_threshold(in.position.xy, in.card.w >> 3u);
+        found.hole = opacity < pattern_threshold(in.position.xy, data::card_index(in.card.w));
         found.samples = 0xffffffffu;
         return found;
     }
     let covered = cover(in, base, shape, frame_of(in), class_of(in));
     let opacity = dot(covered.weights, vec4(1.0));
     found.hole = leaves_hole(in, opacity, shape.x);
+#ifdef ONLY_MEAN
+    found.hole = found.hole || is_left_out(in);
+#endif
 #ifdef SAMPLE_COVERAGE
     found.samples = sample_bits(in, opacity);
 #endif

@@ -191,7 +191,7 @@ fn vane_response(
 fn light_vertex(placed: FeatherVertex) -> FeatherVertex {
     var out = placed;
 #ifdef LIT_VERTICES
-    if ((placed.card.w & 7u) != data::CARD_LIT) {
+    if (data::lod_class(placed.card.w) != data::CARD_LIT) {
         return out;
     }
     let feather = data::card_feather(placed.card.x);

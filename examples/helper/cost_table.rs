@@ -1,0 +1,111 @@
+//! What a frame costs over the number of feathers, the size of the picture and the number of lights: feathers beside the same cards in
+//! a `StandardMaterial`, in one run.
+
+use super::{
+    cost::{SETTLE, least, seconds},
+    headless::{Apps, frame, regrow, resize},
+};
+use bevy::{prelude::*, render::renderer::RenderAdapterInfo};
+use bevy_plumage::{PlumageCards, prelude::*};
+use std::{f32::consts::TAU, fmt::Write, fs, path::Path};
+
+/// Pictures.
+const SIZES: [(u32, u32); 4] = [(120, 68), (240, 135), (480, 270), (960, 540)];
+/// Lights: the sun, and point lights around.
+const LIGHTS: [usize; 3] = [1, 4, 16];
+/// Feathers of all birds together.
+const COUNTS: [f32; 4] = [625.0, 2500.0, 6250.0, 25_000.0];
+/// Frames of each app, in turn; the fastest counts.
+const ROUNDS: usize = 3;
+
+/// A point light of the table.
+#[derive(Component)]
+struct Added;
+
+/// Feathers that all birds of an app wear.
+fn feathers(app: &mut App) -> usize {
+    let mut worn = app.world_mut().query::<&PlumageCards>();
+    worn.iter(app.world()).map(|worn| worn.cards.len()).sum()
+}
+
+/// Puts `count` lights around the birds.
+fn light(app: &mut App, count: usize) {
+    let world = app.world_mut();
+    let mut added = world.query_filtered::<Entity, With<Added>>();
+    let old: Vec<Entity> = added.iter(world).collect();
+    for entity in old {
+        world.entity_mut(entity).despawn();
+    }
+    for i in 0..count {
+        let angle = TAU * i as f32 / count as f32;
+        world.spawn((
+            Added,
+            PointLight {
+                intensity: 20_000.0 / count as f32,
+                ..default()
+            },
+            Transform::from_xyz(0.8 * angle.cos(), 0.5, 0.8 * angle.sin()),
+        ));
+    }
+}
+
+/// Milliseconds of processor time of a frame of each.
+fn time(apps: &mut Apps) -> [f64; 2] {
+    for (app, _) in apps.iter_mut() {
+        (0..SETTLE).for_each(|_| {
+            frame(app);
+        });
+    }
+    let mut times: [Vec<f64>; 2] = Default::default();
+    for _ in 0..ROUNDS {
+        for ((app, _), times) in apps.iter_mut().zip(&mut times) {
+            times.push(seconds(app));
+        }
+    }
+    times.map(|times| 1e3 * least(&times))
+}
+
+/// Measures and writes the table; one line for each.
+pub fn run(mut apps: Apps, name: &str, size: (u32, u32), file: &Path) -> Result<(), String> {
+    let mut table = String::from("what,x,feathers ms,cards ms,feathers over cards\n");
+    let mut line = |what: &str, x: usize, apps: &mut Apps| {
+        let [own, cards] = time(apps);
+        let text = format!("{what},{x},{own:.1},{cards:.1},{:.3}", own / cards);
+        println!("{text}");
+        let _ = writeln!(table, "{text}");
+    };
+    for size in SIZES {
+        for (app, image) in &mut apps {
+            resize(app, image, size);
+        }
+        line("pixels", (size.0 * size.1) as usize, &mut apps);
+    }
+    for (app, image) in &mut apps {
+        resize(app, image, size);
+    }
+    for count in LIGHTS {
+        for (app, _) in &mut apps {
+            light(app, count - 1);
+        }
+        line("lights", count, &mut apps);
+    }
+    for (app, _) in &mut apps {
+        light(app, 0);
+    }
+    for count in COUNTS {
+        let mut found = 0;
+        for (app, _) in &mut apps {
+            let share = count / feathers(app).max(1) as f32;
+            let mut birds = app.world_mut().query::<&mut Plumage>();
+            for mut bird in birds.iter_mut(app.world_mut()) {
+                bird.density *= share;
+            }
+            regrow(app, name)?;
+            found = feathers(app);
+        }
+        line("feathers", found, &mut apps);
+    }
+    let adapter = &apps[0].0.world().resource::<RenderAdapterInfo>().name;
+    println!("{adapter}");
+    fs::write(file, table).map_err(|error| format!("{}: {error}", file.display()))
+}
