@@ -11,7 +11,9 @@ const BED: f32 = 1.3;
 /// Radius at the wrist of the plumage that buries the folded arm, in that at the shoulder.
 const FRONT: f32 = 0.7;
 /// Over which the swell before the folded hand runs out into the trunk, mm on the macaw.
-const SWELL_BLEND: f32 = 20.0;
+const SWELL_BLEND: f32 = 45.0;
+/// Over which the swells of the two sides meet, mm on the macaw.
+const MEETING_BLEND: f32 = 30.0;
 
 /// Parts of the signed distance at one point.
 #[derive(Clone, Copy, Debug)]
@@ -167,10 +169,18 @@ impl<'a> Body<'a> {
         // Above the folded wing it runs on to the shoulder.
         let [inward, above, ..] = self.species.swell[0];
         let back = shoulder + (self.forward(shoulder, wrist) * above - Vec3::X * inward) * s;
+        let swell = |p: Vec3| {
+            smooth_min(
+                cone(p, top, low, [wide, narrow]).0,
+                cone(p, top, back, [wide, wide]).0,
+                8.0 * s,
+            )
+        };
+        // Left and right meet on the breast without a crease.
         let swell = smooth_min(
-            cone(p, top, low, [wide, narrow]).0,
-            cone(p, top, back, [wide, wide]).0,
-            8.0 * s,
+            swell(p),
+            swell(Vec3::new(-p.x, p.y, p.z)),
+            MEETING_BLEND * s,
         );
         let trunk = smooth_min(parts.trunk.distance, swell, SWELL_BLEND * s);
         // Those of the flank lie flat below the folded forearm, which they bed.

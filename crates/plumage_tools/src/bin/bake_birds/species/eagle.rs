@@ -113,7 +113,7 @@ pub fn species() -> Species {
         arcs: Arcs {
             dorsal: [40., 135., 220., 300.],
             ventral: [112., 200.],
-            neck: 74.,
+            neck: 86.,
             scapulars: 292.,
             leg_top: 287.,
             head_plane: 487.,
@@ -271,7 +271,7 @@ const TRACTS: &[TractRow] = &[
     row("nape", &[Nape], "hackle", 150, 0, (35., 60.), (10., 14.), (9., 9.), (0.12, 10.), (0.15, 1700., CONTOUR), (0xC49F6D, 0xC49F6D)),
     row("face", &[Cheek, Lore], "head", 956, 0, (8., 24.), (5.5, 9.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0x5A4B3D, 0x615141)),
     row("lore", &[Lore], "bristle", 70, 0, (6., 12.), (1., 1.5), (25., 25.), (0., 0.), (0.5, 1950., (2, 1)), (0x382F27, 0x382F27)),
-    row("neck_dorsal", &[NeckDorsal], "hackle", 280, 0, (40., 72.), (13., 16.), (9., 9.), (0.08, 12.), (0.2, 1600., CONTOUR), (0xB99365, 0x4E4236)),
+    row("neck_dorsal", &[NeckDorsal], "hackle", 280, 0, (40., 100.), (13., 19.), (9., 9.), (0.08, 12.), (0.2, 1600., CONTOUR), (0xB99365, 0x4E4236)),
     row("neck_ventral", &[NeckVentral], "body", 300, 0, (26., 56.), (14., 21.), (9., 9.), (0.08, 14.), (0.2, 1600., CONTOUR), (0x5A4B3D, 0x4A3E34)),
     row("mantle", &[Mantle, ScapularMantle], "body", 88, 6, (55., 80.), (32., 42.), (8., 8.), (0.06, 10.), (0.25, 1400., CONTOUR), (0x544736, 0x43382D)),
     row("back", &[Back], "body", 50, 5, (55., 75.), (32., 40.), (9., 9.), (0.06, 8.), (0.25, 1300., CONTOUR), (0x43382D, 0x43382D)),
