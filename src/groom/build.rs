@@ -106,6 +106,20 @@ fn measure_cover(skin: &SkinMesh, leaves: &[Leaf], down: &mut [DownTract]) {
 /// # Errors
 /// [`GroomError::Asset`] if the groom is damaged, [`GroomError::Skin`] if the skin has no triangle.
 pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result<Coat, GroomError> {
+    groom_with(bird, groom, seed, density, true)
+}
+
+/// As [`groom_bird`]; `settling`: whether feathers are pressed over each other, or left as they grow, to see what that does.
+///
+/// # Errors
+/// As [`groom_bird`].
+pub fn groom_with(
+    bird: &Bird,
+    groom: &Groom,
+    seed: u64,
+    density: f32,
+    settling: bool,
+) -> Result<Coat, GroomError> {
     groom.validate(&groom.name)?;
     let stretched = (groom.bend > 0.0).then(|| Bird {
         skin: bird
@@ -157,7 +171,7 @@ pub fn groom_bird(bird: &Bird, groom: &Groom, seed: u64, density: f32) -> Result
     measure_cover(skin, &leaves, &mut down);
     order(&mut leaves, scattered);
     let crossings = layer::settle(&mut leaves[..scattered]);
-    let (worn, moved) = press(bird, groom, skinned, &fans, &mut leaves);
+    let (worn, moved) = press(bird, groom, skinned, &fans, &mut leaves, settling);
     warnings.extend(
         missing
             .iter()

@@ -2,7 +2,8 @@
 
 use super::{
     carried::{Block, Carried},
-    columns::Columns,
+    cells::Cells,
+    facets::Vanes,
     leaf::Leaf,
 };
 use bevy::{
@@ -29,8 +30,8 @@ const BACK: f32 = -0.3;
 const NEXT: usize = 14;
 /// Feathers of the other face that it is kept away from.
 const BEHIND: usize = 8;
-/// Side of the columns that samples are sorted into, in median widths.
-const COLUMN: f32 = 0.25;
+/// Side of the cubes that samples are sorted into, in median widths.
+const CUBE: f32 = 0.25;
 /// Samples that one task takes.
 const CHUNK: usize = 2048;
 
@@ -52,13 +53,14 @@ pub struct Contact {
 }
 
 /// What the heights of the vertices make of a place.
+#[inline]
 pub fn raise(spot: &Spot, heights: &[f32]) -> f32 {
-    spot.iter()
-        .map(|(i, share)| heights[*i as usize] * share)
-        .sum()
+    let [(a, u), (b, v), (c, w)] = *spot;
+    heights[a as usize] * u + heights[b as usize] * v + heights[c as usize] * w
 }
 
 /// Half the width of the blade at share `v`, in half widths of the card: a rounded feather.
+#[inline]
 pub fn blade(v: f32) -> f32 {
     let end = ((v - 0.62) / 0.38).max(0.0);
     (0.25 + 2.5 * v).min(1.0) * (1.0 - end * end).max(0.0).sqrt()
@@ -70,6 +72,7 @@ impl Block {
     }
 
     /// The corners of the two triangles of a quad.
+    #[inline]
     pub fn triangles(&self, i: usize, j: usize) -> [[u32; 3]; 2] {
         let (a, b) = (self.vertex(i, j), self.vertex(i, j + 1));
         let (c, d) = (self.vertex(i + 1, j + 1), self.vertex(i + 1, j));
@@ -108,21 +111,27 @@ fn at(spot: &Spot, points: &[Vec3]) -> Vec3 {
 /// A place on a feather as others see it.
 #[derive(Clone, Copy)]
 struct Seen {
-    place: Vec3,
     normal: Vec3,
     leaf: u32,
     along: f32,
 }
 
 struct Sample {
+    place: Vec3,
     seen: Seen,
     spot: Spot,
 }
 
-/// How a whole feather stands: root, and normal in the middle.
-struct Stand {
+/// How a whole feather stands, and what else is asked of it for every place where it meets another.
+pub struct Stand {
     root: Vec3,
+    /// In the middle.
     normal: Vec3,
+    length: f32,
+    /// Width, metres.
+    pub width: f32,
+    /// Rank.
+    pub layer: f32,
 }
 
 /// How all feathers stand.
@@ -130,57 +139,47 @@ pub struct Stands(Vec<Stand>);
 
 impl Stands {
     /// Of leaves whose vertices are at these points.
-    pub fn new(carried: &Carried, points: &[Vec3]) -> Self {
-        let stand = |block: &Block| {
+    pub fn new(leaves: &[Leaf], carried: &Carried, points: &[Vec3]) -> Self {
+        let stand = |(leaf, block): (&Leaf, &Block)| {
             let middle = block.first + block.rows / 2 * block.wide + block.wide / 2;
             Stand {
                 root: points[block.first + block.wide / 2],
                 normal: carried.normals[middle],
+                length: leaf.card.length,
+                width: leaf.card.width,
+                layer: leaf.card.layer,
             }
         };
-        Self(carried.blocks.iter().map(stand).collect())
+        Self(leaves.iter().zip(&carried.blocks).map(stand).collect())
+    }
+
+    /// One of them.
+    #[inline]
+    pub fn of(&self, leaf: u32) -> &Stand {
+        &self.0[leaf as usize]
     }
 
     /// Whether two feathers that face the same way can cover each other: rooted within a length and a width.
-    pub fn related(&self, leaves: &[Leaf], a: u32, b: u32) -> bool {
-        let [x, y] = [a, b].map(|i| &leaves[i as usize].card);
-        let [s, t] = [a, b].map(|i| &self.0[i as usize]);
-        let reach = x.length.max(y.length) + x.width.max(y.width);
+    #[inline]
+    pub fn related(&self, a: u32, b: u32) -> bool {
+        let (s, t) = (self.of(a), self.of(b));
+        let reach = s.length.max(t.length) + s.width.max(t.width);
         s.normal.dot(t.normal) > 0.0 && s.root.distance_squared(t.root) < reach * reach
     }
 }
 
-/// A triangle of a feather.
-#[derive(Clone, Copy, Default)]
-struct Facet {
-    corner: Vec3,
-    /// Unit normal; zero if the triangle has no area.
-    normal: Vec3,
-    /// The shares of the second and of the third corner at a place, for its offset from the first.
-    shares: [Vec3; 2],
-}
-
-impl Facet {
-    fn new([p, q, r]: [Vec3; 3]) -> Self {
-        let cross = (q - p).cross(r - p);
-        let area = cross.length_squared();
-        if area < 1.0e-30 {
-            return Self::default();
-        }
-        Self {
-            corner: p,
-            normal: cross / area.sqrt(),
-            shares: [p - r, q - p].map(|edge| cross.cross(edge) / area),
-        }
-    }
+/// Middle of a shaft in bind pose, and its normal.
+fn middle(leaf: &Leaf) -> (Vec3, Vec3) {
+    let middle = leaf.shaft.points.len() / 2;
+    (leaf.shaft.points[middle], leaf.shaft.normals[middle])
 }
 
 /// Looks for the contacts of a coat as it now stands.
 pub struct Finder<'a> {
-    leaves: &'a [Leaf],
+    /// Middle of each shaft in bind pose, and its normal.
+    middles: Vec<(Vec3, Vec3)>,
     blocks: &'a [Block],
-    /// Two for each vertex: the triangles of the quad that begins there.
-    facets: Vec<[Facet; 2]>,
+    vanes: Vanes<'a>,
     heights: &'a [f32],
     samples: Vec<Sample>,
     stands: Stands,
@@ -193,6 +192,8 @@ struct Near {
     leaf: u32,
     distance: f32,
     along: f32,
+    /// Ranks between the two.
+    apart: f32,
 }
 
 impl<'a> Finder<'a> {
@@ -201,7 +202,7 @@ impl<'a> Finder<'a> {
         let blocks = &carried.blocks;
         let points = carried.raised(heights);
         let mut samples = Vec::with_capacity(blocks.len() * ALONG.len() * 3);
-        let stands = Stands::new(carried, &points);
+        let stands = Stands::new(leaves, carried, &points);
         // From the lowest up: what is raised off the skin raises all that lies over it in one round of the projection.
         let mut rising: Vec<usize> = (0..leaves.len()).collect();
         rising.sort_by(|&a, &b| {
@@ -230,27 +231,22 @@ impl<'a> Finder<'a> {
                 for x in list {
                     let spot = block.spot(x * wide, v);
                     let seen = Seen {
-                        place: at(&spot, &points),
                         normal,
                         leaf: number as u32,
                         along: v,
                     };
-                    samples.push(Sample { seen, spot });
+                    samples.push(Sample {
+                        place: at(&spot, &points),
+                        seen,
+                        spot,
+                    });
                 }
             }
         }
-        let mut facets = vec![[Facet::default(); 2]; points.len()];
-        for block in blocks {
-            for (i, j) in quads(block, 0..block.rows.saturating_sub(1)) {
-                facets[block.vertex(i, j) as usize] = block
-                    .triangles(i, j)
-                    .map(|corners| Facet::new(corners.map(|corner| points[corner as usize])));
-            }
-        }
         Self {
-            leaves,
+            middles: leaves.iter().map(middle).collect(),
             blocks,
-            facets,
+            vanes: Vanes::new(blocks, &points),
             heights,
             samples,
             stands,
@@ -261,14 +257,14 @@ impl<'a> Finder<'a> {
     /// Contacts, in order of the samples: those whose upper is seen (`seen`: which vertices are), and all back to back.
     pub fn find(&self, seen: &[bool]) -> Vec<Contact> {
         let places = self.samples.iter();
-        let places = places.map(|sample| (sample.seen.place, sample.seen));
-        let around = &Columns::new(places, COLUMN * self.median);
+        let places: Vec<(Vec3, Seen)> = places.map(|sample| (sample.place, sample.seen)).collect();
+        let around = &Cells::new(&places, CUBE * self.median);
         let pool = ComputeTaskPool::get_or_init(TaskPool::default);
         let parts = pool.scope(|scope| {
             for (number, chunk) in self.samples.chunks(CHUNK).enumerate() {
                 scope.spawn(async move {
                     // Sample for which a leaf was last found, and where it then stands in its list.
-                    let mut slots = vec![(u32::MAX, 0); self.leaves.len()];
+                    let mut slots = vec![(u32::MAX, 0); self.middles.len()];
                     let (mut near, mut behind) = (Vec::new(), Vec::new());
                     let mut contacts = Vec::new();
                     for (i, sample) in chunk.iter().enumerate() {
@@ -289,12 +285,8 @@ impl<'a> Finder<'a> {
     /// Whether two feathers belong to the two faces of one part of the body: in bind pose they lie near each other and their fronts
     /// look apart.
     fn back_to_back(&self, a: u32, b: u32) -> bool {
-        let [x, y] = [a, b].map(|i| &self.leaves[i as usize]);
-        let [(p, m), (q, n)] = [x, y].map(|leaf| {
-            let middle = leaf.shaft.points.len() / 2;
-            (leaf.shaft.points[middle], leaf.shaft.normals[middle])
-        });
-        let (x, y) = (&x.card, &y.card);
+        let ((p, m), (q, n)) = (self.middles[a as usize], self.middles[b as usize]);
+        let (x, y) = (self.stands.of(a), self.stands.of(b));
         let reach = x.length.max(y.length) + x.width.max(y.width);
         m.dot(n) < BACK
             && p.distance_squared(q) < reach * reach
@@ -306,50 +298,43 @@ impl<'a> Finder<'a> {
     fn look(
         &self,
         sample: &Sample,
-        around: &Columns<Seen>,
+        around: &Cells<Seen>,
         mark: u32,
         slots: &mut [(u32, u32)],
         [near, behind]: [&mut Vec<Near>; 2],
     ) {
-        let Seen {
-            place,
-            normal,
-            leaf,
-            ..
-        } = sample.seen;
-        let own = &self.leaves[leaf as usize].card;
+        let Seen { normal, leaf, .. } = sample.seen;
+        let own = self.stands.of(leaf);
         let radius = 0.5 * own.width.max(0.6 * self.median);
-        around.near(place, radius, |run| {
-            for other in run {
-                let distance = other.place.distance_squared(place);
-                if distance > radius * radius || other.leaf == leaf {
-                    continue;
-                }
-                let facing = other.normal.dot(normal);
-                if facing < FACING && facing > BACK {
-                    continue;
-                }
-                let list = if facing > 0.0 {
-                    &mut *near
-                } else {
-                    &mut *behind
-                };
-                let slot = &mut slots[other.leaf as usize];
-                let found = Near {
-                    leaf: other.leaf,
-                    distance,
-                    along: other.along,
-                };
-                match list.get_mut(slot.1 as usize) {
-                    Some(entry) if slot.0 == mark && entry.leaf == other.leaf => {
-                        if distance < entry.distance {
-                            *entry = found;
-                        }
+        around.near(sample.place, radius, |distance, other| {
+            if other.leaf == leaf {
+                return;
+            }
+            let facing = other.normal.dot(normal);
+            if facing < FACING && facing > BACK {
+                return;
+            }
+            let list = if facing > 0.0 {
+                &mut *near
+            } else {
+                &mut *behind
+            };
+            let slot = &mut slots[other.leaf as usize];
+            match list.get_mut(slot.1 as usize) {
+                Some(entry) if slot.0 == mark && entry.leaf == other.leaf => {
+                    if distance < entry.distance {
+                        entry.distance = distance;
+                        entry.along = other.along;
                     }
-                    _ => {
-                        *slot = (mark, list.len() as u32);
-                        list.push(found);
-                    }
+                }
+                _ => {
+                    *slot = (mark, list.len() as u32);
+                    list.push(Near {
+                        leaf: other.leaf,
+                        distance,
+                        along: other.along,
+                        apart: 0.0,
+                    });
                 }
             }
         });
@@ -358,23 +343,25 @@ impl<'a> Finder<'a> {
             let distance = a.distance.total_cmp(&b.distance);
             distance.then(a.leaf.cmp(&b.leaf))
         });
-        near.retain(|other| self.stands.related(self.leaves, leaf, other.leaf));
+        near.retain(|other| self.stands.related(leaf, other.leaf));
         // What lies right above and right below passes the order on to the rest.
-        let apart = |other: &Near| (self.leaves[other.leaf as usize].card.layer - own.layer).abs();
-        near.sort_unstable_by(|a, b| apart(a).total_cmp(&apart(b)).then(a.leaf.cmp(&b.leaf)));
+        for other in near.iter_mut() {
+            other.apart = (self.stands.of(other.leaf).layer - own.layer).abs();
+        }
+        near.sort_unstable_by(|a, b| a.apart.total_cmp(&b.apart).then(a.leaf.cmp(&b.leaf)));
     }
 
     /// Adds the contacts of a sample with feathers that face the same way.
     fn touch(&self, sample: &Sample, near: &[Near], seen: &[bool], contacts: &mut Vec<Contact>) {
-        let own = &self.leaves[sample.seen.leaf as usize].card;
+        let own = self.stands.of(sample.seen.leaf);
         let mut found = 0;
         for other in near {
             if found == NEXT {
                 break;
             }
-            let card = &self.leaves[other.leaf as usize].card;
+            let card = self.stands.of(other.leaf);
             let width = own.width.min(card.width);
-            let Some((spot, height)) = self.over(&sample.seen, 1.0, other, width) else {
+            let Some((spot, height)) = self.over(sample, 1.0, other, width) else {
                 continue;
             };
             found += 1;
@@ -399,10 +386,10 @@ impl<'a> Finder<'a> {
 
     /// Adds those with feathers behind it.
     fn avoid(&self, sample: &Sample, behind: &[Near], contacts: &mut Vec<Contact>) {
-        let own = &self.leaves[sample.seen.leaf as usize].card;
+        let own = self.stands.of(sample.seen.leaf);
         for other in behind.iter().take(BEHIND) {
-            let width = own.width.min(self.leaves[other.leaf as usize].card.width);
-            let Some((spot, height)) = self.over(&sample.seen, -1.0, other, width) else {
+            let width = own.width.min(self.stands.of(other.leaf).width);
+            let Some((spot, height)) = self.over(sample, -1.0, other, width) else {
                 continue;
             };
             let raised = raise(&sample.spot, self.heights) + raise(&spot, self.heights);
@@ -418,39 +405,20 @@ impl<'a> Finder<'a> {
 
     /// Where on a feather a sample projects to, and its height over it. `facing`: 1 if the feather must face as the sample does, -1 if
     /// the other way.
-    fn over(&self, seen: &Seen, facing: f32, other: &Near, width: f32) -> Option<(Spot, f32)> {
-        let block = &self.blocks[other.leaf as usize];
-        let (reach, normal) = (REACH * width, seen.normal * facing);
-        let last = block.rows - 1;
+    fn over(&self, sample: &Sample, facing: f32, other: &Near, width: f32) -> Option<(Spot, f32)> {
+        let last = self.blocks[other.leaf as usize].rows - 1;
         let middle = other.along * last as f32;
         let from = (middle - 1.3).max(0.0) as usize;
         let to = ((middle + 1.3).ceil() as usize).min(last);
-        let mut best: Option<(Spot, f32)> = None;
-        for (i, j) in quads(block, from..to) {
-            let facets = &self.facets[block.vertex(i, j) as usize];
-            for (facet, number) in facets.iter().zip(0..) {
-                let offset = seen.place - facet.corner;
-                let height = offset.dot(facet.normal);
-                if height.abs() > reach || facet.normal.dot(normal) <= 0.0 {
-                    continue;
-                }
-                let [v, w] = facet.shares.map(|share| share.dot(offset));
-                let u = 1.0 - v - w;
-                if u < 0.0 || v < 0.0 || w < 0.0 {
-                    continue;
-                }
-                if best.is_none_or(|(_, known)| height.abs() < known.abs()) {
-                    let [p, q, r] = block.triangles(i, j)[number];
-                    best = Some(([(p, u), (q, v), (r, w)], height));
-                }
-            }
-        }
-        best
+        let normal = sample.seen.normal * facing;
+        let reach = REACH * width;
+        self.vanes
+            .project(sample.place, normal, other.leaf, from..to, reach)
     }
 }
 
 /// The quads of a feather whose first vertices lie in these rows.
-fn quads(block: &Block, rows: Range<usize>) -> impl Iterator<Item = (usize, usize)> + use<> {
+pub fn quads(block: &Block, rows: Range<usize>) -> impl Iterator<Item = (usize, usize)> + use<> {
     let wide = block.wide - 1;
     rows.flat_map(move |i| (0..wide).map(move |j| (i, j)))
 }

@@ -14,12 +14,14 @@ mod authored;
 mod build;
 mod card;
 mod carried;
+mod cells;
 mod coats;
-mod columns;
 mod component;
 mod contact;
 pub mod drape;
+mod drawing;
 mod error;
+mod facets;
 mod fallback;
 pub mod fan;
 mod field;
@@ -55,6 +57,8 @@ pub use asset::{
     Station, Tint, painted,
 };
 pub use authored::{Authored, AuthoredGuide, AuthoredRow, AuthoredStation, SkinMasks, chains};
+#[cfg(feature = "internals")]
+pub use build::groom_with;
 pub use build::{Bird, Coat, DownTract, groom_bird};
 pub use card::{Card, CardGeometry};
 pub use component::{

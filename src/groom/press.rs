@@ -9,7 +9,11 @@ use super::{
     settle::{Settled, open_windows, settle},
     worn::{MAX_POSES, WornPoses},
 };
-use bevy::math::{Affine3A, Quat, Vec3};
+use crate::maths::order::UNSETTLED_WINDOW;
+use bevy::{
+    math::{Affine3A, Quat, Vec3},
+    tasks::{ComputeTaskPool, TaskPool},
+};
 use std::ops::Range;
 
 /// Places on the way between two poses that are looked at.
@@ -17,13 +21,15 @@ const BETWEEN: [f32; 2] = [0.35, 0.65];
 /// Sine of half a turn below which it is none.
 const STRAIGHT: f32 = 1.0e-3;
 
-/// Presses the feathers over each other in each of the poses that the groom says are worn, or in bind pose.
+/// Presses the feathers over each other in each of the poses that the groom says are worn, or in bind pose. Without `settling` they
+/// stay as they are, with the windows of meshes that were not settled.
 pub fn press(
     bird: &Bird,
     groom: &Groom,
     skinned: bool,
     fans: &[FanJoint],
     leaves: &mut [Leaf],
+    settling: bool,
 ) -> (WornPoses, f32) {
     let poses = groom.poses.iter().filter(|_| skinned).take(MAX_POSES);
     let mut worn: Vec<Vec<Affine3A>> = poses
@@ -31,6 +37,12 @@ pub fn press(
         .collect();
     if worn.is_empty() {
         worn.push(Vec::new());
+    }
+    if !settling {
+        for leaf in leaves {
+            leaf.windows = vec![vec![UNSETTLED_WINDOW; leaf.vertex_count()]; MAX_POSES + 1];
+        }
+        return (WornPoses::new(&worn, 0.0, &[]), 0.0);
     }
     let mut count = 0;
     let range = |leaf: &Leaf| {
@@ -42,8 +54,7 @@ pub fn press(
     let regions = groom.regions.iter().map(|region| region.stiffness);
     let stiffness: Vec<f32> = regions.chain(groom.rows.iter().map(|_| 1.0)).collect();
     let (mut reach, mut moved) = (0.0_f32, 0.0_f32);
-    for (number, body) in worn.iter().enumerate() {
-        let settled = settle(leaves, &bird.skin, &with_rows(body, fans), &stiffness);
+    let mut keep = |number: usize, settled: Settled, leaves: &mut [Leaf]| {
         let Settled {
             heights,
             windows,
@@ -71,6 +82,21 @@ pub fn press(
                 .iter()
                 .fold(reach, |most, height| most.max(height.abs()));
         }
+    };
+    let settled = |leaves: &[Leaf], body: &[Affine3A]| {
+        settle(leaves, &bird.skin, &with_rows(body, fans), &stiffness)
+    };
+    keep(0, settled(leaves, &worn[0]), leaves);
+    // The further ones begin at the first alone, so that they need not wait for each other.
+    let pool = ComputeTaskPool::get_or_init(TaskPool::default);
+    let further = pool.scope(|scope| {
+        let (settled, leaves) = (&settled, &*leaves);
+        for body in &worn[1..] {
+            scope.spawn(async move { settled(leaves, body) });
+        }
+    });
+    for (number, settled) in further.into_iter().enumerate() {
+        keep(number + 1, settled, leaves);
     }
     let asked = asked(bird.joints.len(), fans, leaves);
     let poses = WornPoses::new(&worn, reach, &asked);

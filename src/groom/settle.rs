@@ -15,7 +15,7 @@
 
 use super::{
     carried::{Block, Carried},
-    contact::{Contact, Finder, Spot, raise},
+    contact::{Contact, Finder, raise},
     leaf::Leaf,
     pose::blend,
     seen::Seen,
@@ -72,7 +72,7 @@ pub fn settle(leaves: &[Leaf], skin: &SkinMesh, pose: &[Affine3A], stiffness: &[
         carried: &carried,
         body: &body,
     };
-    let (_, marks) = seen.look(&heights, LOOKS);
+    let marks = seen.uppermost(&heights, LOOKS);
     let further = leaves.iter().any(|leaf| !leaf.raised.is_empty());
     let searches = SEARCHES[usize::from(further)];
     let round = |contacts: &[&[Contact]], rough: bool, heights: &mut Vec<f32>| {
@@ -93,7 +93,7 @@ pub fn settle(leaves: &[Leaf], skin: &SkinMesh, pose: &[Affine3A], stiffness: &[
         }
     }
     for look in 0..LOOKS {
-        all.push(seen.look(&heights, look).0);
+        all.push(seen.contacts(&heights, look));
         let lists: Vec<&[Contact]> = all.iter().map(Vec::as_slice).collect();
         for number in 0..LOOK_ROUNDS {
             let rough = look + 1 == LOOKS && number + ROUGH >= LOOK_ROUNDS;
@@ -168,18 +168,24 @@ fn project(contacts: &[Contact], heights: &mut [f32], lows: &[f32], highs: &[f32
             continue;
         }
         // Vertices at their limit leave the way to the others.
-        let squares = |spot: &Spot, sign: f32, heights: &[f32]| {
-            let free = |i: usize| match sign > 0.0 {
+        let mut total = 0.0;
+        for (i, share) in &contact.upper {
+            if heights[*i as usize] < highs[*i as usize] {
+                total += share * share;
+            }
+        }
+        let mut lower = 0.0;
+        for (i, share) in &contact.lower {
+            let i = *i as usize;
+            let free = match contact.sign > 0.0 {
                 true => heights[i] < highs[i],
                 false => heights[i] > lows[i],
             };
-            spot.iter()
-                .filter(|(i, _)| free(*i as usize))
-                .map(|(_, share)| share * share)
-                .sum::<f32>()
-        };
-        let total =
-            squares(&contact.upper, 1.0, heights) + squares(&contact.lower, contact.sign, heights);
+            if free {
+                lower += share * share;
+            }
+        }
+        total += lower;
         let by = depth / total.max(0.05);
         for (spot, sign) in [(&contact.upper, 1.0), (&contact.lower, contact.sign)] {
             for (i, share) in spot {

@@ -8,13 +8,11 @@ use bevy::{
 use bevy_plumage::{
     groom::{
         ATTRIBUTE_RAISED, Bird, Coat, Groom, JointPose, KeyPose, SkinMesh, Wear, fan_transform,
-        groom_bird, skin::Weights,
+        groom_bird, groom_with, skin::Weights,
     },
     maths::order::{raised_heights, raised_held, raised_window},
 };
-use gltf_json::{
-    Root, accessor::ComponentType, animation::Property, mesh::Semantic, validation::Checked::Valid,
-};
+use gltf::animation::{Interpolation, Property, util::ReadOutputs};
 use std::path::Path;
 
 /// A node's place under its parent.
@@ -29,6 +27,8 @@ struct Local {
 struct Channel {
     node: usize,
     property: Property,
+    /// Whether each value holds until the next.
+    steps: bool,
     times: Vec<f32>,
     values: Vec<[f32; 4]>,
 }
@@ -59,57 +59,81 @@ pub struct PosedCoat {
     pub windows: Vec<f32>,
 }
 
-struct File {
-    root: Root,
-    bytes: Vec<u8>,
-}
-
-impl File {
-    fn read(path: &Path) -> Self {
-        let bytes = std::fs::read(path).expect("the bird is there");
-        let word = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i])) as usize;
-        let json = word(12);
-        Self {
-            root: Root::from_slice(&bytes[20..20 + json]).expect("glTF parses"),
-            bytes: bytes[28 + json..].to_vec(),
-        }
-    }
-
-    /// An accessor's values, `N` numbers each.
-    fn values<const N: usize>(&self, accessor: usize) -> Vec<[f32; N]> {
-        let accessor = &self.root.accessors[accessor];
-        let view = &self.root.buffer_views[accessor.buffer_view.expect("has a view").value()];
-        let start = (view.byte_offset.map_or(0, |at| at.0)
-            + accessor.byte_offset.map_or(0, |at| at.0)) as usize;
-        let Valid(component) = accessor.component_type else {
-            panic!("component type")
-        };
-        let size = match component.0 {
-            ComponentType::U8 | ComponentType::I8 => 1,
-            ComponentType::U16 | ComponentType::I16 => 2,
-            ComponentType::U32 | ComponentType::F32 => 4,
-        };
-        let number = |at: usize| {
-            let bytes = &self.bytes[at..at + size];
-            match component.0 {
-                ComponentType::U8 => f32::from(bytes[0]),
-                ComponentType::U16 => f32::from(u16::from_le_bytes([bytes[0], bytes[1]])),
-                ComponentType::U32 => {
-                    u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as f32
-                }
-                ComponentType::F32 => f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]),
-                other => panic!("component type {other:?}"),
-            }
-        };
-        (0..accessor.count.0 as usize)
-            .map(|i| std::array::from_fn(|k| number(start + (i * N + k) * size)))
-            .collect()
-    }
-}
-
 /// File of the assets folder.
 fn asset(path: &str) -> std::path::PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../assets")).join(path)
+}
+
+/// Mesh of a primitive, and its vertices and triangles as they are.
+fn primitive(
+    primitive: &gltf::Primitive,
+    bytes: &[u8],
+) -> Option<(Mesh, (Vec<Vec3>, Vec<Weights>, Vec<u32>))> {
+    let reader = primitive.reader(|buffer| (buffer.index() == 0).then_some(bytes));
+    let positions: Vec<[f32; 3]> = reader.read_positions()?.collect();
+    let joints: Vec<[u16; 4]> = reader.read_joints(0)?.into_u16().collect();
+    let weights: Vec<[f32; 4]> = reader.read_weights(0)?.into_f32().collect();
+    let indices: Vec<u32> = match reader.read_indices() {
+        Some(indices) => indices.into_u32().collect(),
+        None => (0..positions.len() as u32).collect(),
+    };
+    let mut mesh = Mesh::new(
+        PrimitiveTopology::TriangleList,
+        RenderAssetUsages::default(),
+    );
+    if let Some(normals) = reader.read_normals() {
+        mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals.collect::<Vec<_>>());
+    }
+    if let Some(colors) = reader.read_colors(0) {
+        let colors: Vec<[f32; 4]> = colors.into_rgba_f32().collect();
+        mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, colors);
+    }
+    if let Some(tracts) = reader.read_tex_coords(1) {
+        let tracts: Vec<[f32; 2]> = tracts.into_f32().collect();
+        mesh.insert_attribute(Mesh::ATTRIBUTE_UV_1, tracts);
+    }
+    let part = (
+        positions.iter().copied().map(Vec3::from_array).collect(),
+        joints
+            .iter()
+            .copied()
+            .zip(weights.iter().copied())
+            .collect(),
+        indices.clone(),
+    );
+    mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
+    mesh.insert_attribute(
+        Mesh::ATTRIBUTE_JOINT_INDEX,
+        VertexAttributeValues::Uint16x4(joints),
+    );
+    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
+    mesh.insert_indices(Indices::U32(indices));
+    Some((mesh, part))
+}
+
+/// What a clip does to one node.
+fn channel(channel: &gltf::animation::Channel, bytes: &[u8]) -> Option<Channel> {
+    let reader = channel.reader(|buffer| (buffer.index() == 0).then_some(bytes));
+    let flat = |v: [f32; 3]| [v[0], v[1], v[2], 0.0];
+    let values: Vec<[f32; 4]> = match reader.read_outputs()? {
+        ReadOutputs::Translations(values) => values.map(flat).collect(),
+        ReadOutputs::Scales(values) => values.map(flat).collect(),
+        ReadOutputs::Rotations(values) => values.into_f32().collect(),
+        ReadOutputs::MorphTargetWeights(_) => return None,
+    };
+    let interpolation = channel.sampler().interpolation();
+    let values = match interpolation {
+        // The tangents beside each value are left out.
+        Interpolation::CubicSpline => values.chunks_exact(3).map(|key| key[1]).collect(),
+        _ => values,
+    };
+    Some(Channel {
+        node: channel.target().node().index(),
+        property: channel.target().property(),
+        steps: interpolation == Interpolation::Step,
+        times: reader.read_inputs()?.collect(),
+        values,
+    })
 }
 
 impl SceneBird {
@@ -121,129 +145,87 @@ impl SceneBird {
         let text = std::fs::read_to_string(asset(&format!("grooms/{name}.groom.ron")))
             .expect("the groom is there");
         let groom: Groom = ron::from_str(&text).expect("the groom parses");
-        let file = File::read(&asset(&format!("birds/{name}.glb")));
-        let root = &file.root;
-        let skin = &root.skins[0];
-        let joints: Vec<usize> = skin.joints.iter().map(|joint| joint.value()).collect();
-        let inverse = skin.inverse_bind_matrices.expect("has bind poses").value();
-        let inverse_bind = file.values::<16>(inverse);
-        let inverse_bind = inverse_bind.iter().map(Mat4::from_cols_array).collect();
-        let names = joints
-            .iter()
-            .map(|node| root.nodes[*node].name.clone().unwrap_or_default())
-            .collect();
-        let mut parents = vec![None; root.nodes.len()];
-        for (number, node) in root.nodes.iter().enumerate() {
-            for child in node.children.iter().flatten() {
-                parents[child.value()] = Some(number);
+        let mut bird =
+            Self::read(&asset(&format!("birds/{name}.glb")), 0).expect("the bird is read");
+        // Its body is a closed skin that needs no more feathers where it bends.
+        bird.bird.pivots = Vec::new();
+        bird.groom = groom;
+        bird
+    }
+
+    /// Reads any skinned model in one binary glTF file, and moves it by one of its clips. Its groom is that of meshes without one.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or has no skin or no such clip.
+    pub fn read(path: &Path, clip: usize) -> Result<Self, String> {
+        let fail = |error: String| format!("{}: {error}", path.display());
+        let bytes = std::fs::read(path).map_err(|error| fail(error.to_string()))?;
+        let file = gltf::Gltf::from_slice(&bytes).map_err(|error| fail(error.to_string()))?;
+        let bytes = file.blob.as_deref().unwrap_or_default();
+        let missing = |what: &str| fail(format!("has no {what}"));
+        let skin = file.skins().next().ok_or_else(|| missing("skin"))?;
+        let joints: Vec<usize> = skin.joints().map(|joint| joint.index()).collect();
+        let reader = skin.reader(|buffer| (buffer.index() == 0).then_some(bytes));
+        let inverse_bind: Vec<Mat4> = match reader.read_inverse_bind_matrices() {
+            Some(matrices) => matrices.map(|m| Mat4::from_cols_array_2d(&m)).collect(),
+            None => vec![Mat4::IDENTITY; joints.len()],
+        };
+        let names = skin.joints();
+        let names = names.map(|joint| joint.name().unwrap_or_default().to_owned());
+        let mut parents = vec![None; file.nodes().len()];
+        for node in file.nodes() {
+            for child in node.children() {
+                parents[child.index()] = Some(node.index());
             }
         }
-        let nodes = root
-            .nodes
-            .iter()
-            .map(|node| Local {
-                translation: node.translation.map_or(Vec3::ZERO, Vec3::from_array),
-                rotation: node
-                    .rotation
-                    .map_or(Quat::IDENTITY, |q| Quat::from_array(q.0)),
-                scale: node.scale.map_or(Vec3::ONE, Vec3::from_array),
-            })
-            .collect();
-        let (mut meshes, mut parts) = (Vec::new(), Vec::new());
-        for mesh in &root.meshes {
-            for primitive in &mesh.primitives {
-                let find = |semantic: Semantic| {
-                    let found = primitive.attributes.get(&Valid(semantic));
-                    found.map(|accessor| accessor.value())
-                };
-                let must = |semantic: Semantic| find(semantic).expect("attribute is there");
-                let positions = file.values::<3>(must(Semantic::Positions));
-                let joints: Vec<[u16; 4]> = file
-                    .values::<4>(must(Semantic::Joints(0)))
-                    .iter()
-                    .map(|list| list.map(|joint| joint as u16))
-                    .collect();
-                let weights = file.values::<4>(must(Semantic::Weights(0)));
-                let indices: Vec<u32> = file
-                    .values::<1>(primitive.indices.expect("indexed").value())
-                    .iter()
-                    .map(|index| index[0] as u32)
-                    .collect();
-                parts.push((
-                    positions.iter().copied().map(Vec3::from_array).collect(),
-                    joints
-                        .iter()
-                        .copied()
-                        .zip(weights.iter().copied())
-                        .collect(),
-                    indices.clone(),
-                ));
-                let Some(tracts) = find(Semantic::TexCoords(1)) else {
-                    continue;
-                };
-                let mut mesh = Mesh::new(
-                    PrimitiveTopology::TriangleList,
-                    RenderAssetUsages::default(),
-                );
-                mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
-                let normals = file.values::<3>(must(Semantic::Normals));
-                mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
-                let colors = file.values::<4>(must(Semantic::Colors(0)));
-                mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, colors);
-                mesh.insert_attribute(Mesh::ATTRIBUTE_UV_1, file.values::<2>(tracts));
-                mesh.insert_attribute(
-                    Mesh::ATTRIBUTE_JOINT_INDEX,
-                    VertexAttributeValues::Uint16x4(joints),
-                );
-                mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
-                mesh.insert_indices(Indices::U32(indices));
-                meshes.push(mesh);
+        let local = |node: gltf::Node| {
+            let (translation, rotation, scale) = node.transform().decomposed();
+            Local {
+                translation: translation.into(),
+                rotation: Quat::from_array(rotation),
+                scale: scale.into(),
             }
-        }
-        let clip = &root.animations[0];
+        };
+        let primitives = file.meshes();
+        let primitives: Vec<_> = primitives
+            .flat_map(|mesh| mesh.primitives().collect::<Vec<_>>())
+            .filter_map(|one| primitive(&one, bytes))
+            .collect();
+        // As the plugin does it: what has tracts is the body, if anything has.
+        let has_tracts = |mesh: &Mesh| mesh.attribute(Mesh::ATTRIBUTE_UV_1).is_some();
+        let any = primitives.iter().any(|(mesh, _)| has_tracts(mesh));
+        let meshes: Vec<&Mesh> = primitives
+            .iter()
+            .map(|(mesh, _)| mesh)
+            .filter(|mesh| !any || has_tracts(mesh))
+            .collect();
+        let skin = SkinMesh::from_meshes(&meshes, &[]).map_err(|error| fail(error.to_string()))?;
+        let clip = file
+            .animations()
+            .nth(clip)
+            .ok_or_else(|| missing("such clip"))?;
         let channels: Vec<Channel> = clip
-            .channels
-            .iter()
-            .map(|channel| {
-                let sampler = &clip.samplers[channel.sampler.value()];
-                let Valid(property) = channel.target.path else {
-                    panic!("property")
-                };
-                let times = file.values::<1>(sampler.input.value());
-                let output = sampler.output.value();
-                let values = match property {
-                    Property::Rotation => file.values::<4>(output),
-                    _ => file
-                        .values::<3>(output)
-                        .iter()
-                        .map(|v| [v[0], v[1], v[2], 0.0])
-                        .collect(),
-                };
-                Channel {
-                    node: channel.target.node.value(),
-                    property,
-                    times: times.iter().map(|time| time[0]).collect(),
-                    values,
-                }
-            })
+            .channels()
+            .filter_map(|one| channel(&one, bytes))
             .collect();
         let last = |channel: &Channel| channel.times.last().copied().unwrap_or(0.0);
-        let meshes: Vec<&Mesh> = meshes.iter().collect();
-        Self {
-            bird: Bird {
-                skin: SkinMesh::from_meshes(&meshes, &[]).expect("the body is a skin"),
-                joints: names,
-                pivots: Vec::new(),
-            },
-            groom,
+        let pivot = |bind: &Mat4| bind.inverse().w_axis.truncate();
+        let bird = Bird {
+            skin,
+            joints: names.collect(),
+            pivots: inverse_bind.iter().map(pivot).collect(),
+        };
+        Ok(Self {
+            groom: Groom::fallback(&bird.skin, &bird.joints),
+            bird,
             duration: channels.iter().map(last).fold(0.0, f32::max),
-            parts,
+            nodes: file.nodes().map(local).collect(),
+            parts: primitives.into_iter().map(|(_, part)| part).collect(),
             inverse_bind,
             joints,
-            nodes,
             parents,
             channels,
-        }
+        })
     }
 
     /// Its coat.
@@ -252,6 +234,14 @@ impl SceneBird {
     /// If the groom is damaged.
     pub fn groom(&self, seed: u64, density: f32) -> Coat {
         groom_bird(&self.bird, &self.groom, seed, density).expect("the bird is groomed")
+    }
+
+    /// Its coat as it is before it is settled.
+    ///
+    /// # Panics
+    /// If the groom is damaged.
+    pub fn groom_unsettled(&self, seed: u64, density: f32) -> Coat {
+        groom_with(&self.bird, &self.groom, seed, density, false).expect("the bird is groomed")
     }
 
     /// What each joint of the body does to the bind pose at a time of the clip; without a time: nothing.
@@ -265,7 +255,7 @@ impl SceneBird {
             let after = channel.times.partition_point(|t| *t <= time);
             let (a, b) = (after.saturating_sub(1), after.min(channel.times.len() - 1));
             let span = channel.times[b] - channel.times[a];
-            let share = if span > 0.0 {
+            let share = if span > 0.0 && !channel.steps {
                 (time - channel.times[a]) / span
             } else {
                 0.0

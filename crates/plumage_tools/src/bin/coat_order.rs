@@ -13,13 +13,19 @@ use plumage_tests::{
     order::{Measured, STEP, Tally},
     scene_bird::SceneBird,
 };
-use std::{collections::BTreeMap, time::Instant};
+use std::{collections::BTreeMap, path::Path, time::Instant};
 
 /// What to measure.
 #[derive(Parser)]
 struct Args {
-    /// Name of the bird and its groom.
+    /// Name of the bird and its groom, or a binary glTF file, which gets the groom of meshes without one.
     bird: String,
+    /// Number of the clip that moves the model of a file.
+    #[arg(long, default_value_t = 0)]
+    clip: usize,
+    /// Leaves the feathers as they grow.
+    #[arg(long)]
+    unsettled: bool,
     /// Phases of the idle clip.
     #[arg(long, default_value_t = 12)]
     phases: usize,
@@ -158,7 +164,17 @@ fn gaps(sum: &Tally) {
 
 fn main() {
     let args = Args::parse();
-    let mut bird = SceneBird::load(&args.bird);
+    let mut bird = if args.bird.ends_with(".glb") {
+        match SceneBird::read(Path::new(&args.bird), args.clip) {
+            Ok(bird) => bird,
+            Err(error) => {
+                eprintln!("{error}");
+                std::process::exit(1);
+            }
+        }
+    } else {
+        SceneBird::load(&args.bird)
+    };
     if let Some(time) = args.pose {
         let pose = bird.key_pose("rest", time);
         if args.print {
@@ -173,7 +189,11 @@ fn main() {
         bird.groom.poses.push(pose);
     }
     let begun = Instant::now();
-    let coat: Coat = bird.groom(args.seed, args.density);
+    let coat: Coat = if args.unsettled {
+        bird.groom_unsettled(args.seed, args.density)
+    } else {
+        bird.groom(args.seed, args.density)
+    };
     println!(
         "{}: {} cards in {:.2} s",
         args.bird,
