@@ -14,6 +14,7 @@ use bevy::{
 /// plain card and +1 on a mirrored one, so that `cross(normal, tangent) * w` points to +u; `UV_0` card uv (u from left to right
 /// seen from the front, tip up; v from root to tip); `UV_1` card number and layer rank 0..1; and, if the bird is skinned,
 /// `JOINT_INDEX` and `JOINT_WEIGHT`; and [`ATTRIBUTE_RAISED`], heights in units of `reach`. Triangles of higher layers come first, so that the depth test drops what they cover.
+/// Indices are short where they fit.
 pub fn build_mesh(leaves: &mut [Leaf], skinned: bool, reach: f32) -> (Mesh, Vec<CardGeometry>) {
     let count: usize = leaves
         .iter()
@@ -129,6 +130,12 @@ pub fn build_mesh(leaves: &mut [Leaf], skinned: bool, reach: f32) -> (Mesh, Vec<
         mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
     }
     mesh.insert_attribute(ATTRIBUTE_RAISED, VertexAttributeValues::Uint16x4(raised));
-    mesh.insert_indices(Indices::U32(indices));
+    let short = |indices: &[u32]| -> Option<Vec<u16>> {
+        indices
+            .iter()
+            .map(|index| (*index).try_into().ok())
+            .collect()
+    };
+    mesh.insert_indices(short(&indices).map_or(Indices::U32(indices), Indices::U16));
     (mesh, geometry)
 }

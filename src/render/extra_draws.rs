@@ -153,7 +153,7 @@ impl Removed<'_, '_> {
 
 /// On a child of the card mesh that draws the cards once more.
 #[derive(Component)]
-struct ExtraDraw;
+pub(super) struct ExtraDraw;
 
 /// On the card mesh: what else draws it.
 #[derive(Component)]

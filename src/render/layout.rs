@@ -27,6 +27,7 @@ pub fn struct_layouts() -> Vec<StructLayout> {
         material::settings_layout(),
         lod::params_layout(),
         lod::skin_params_layout(),
+        lod::list_params_layout(),
     ]
 }
 

@@ -12,6 +12,7 @@
 //! | `wind` | [`Wind`] and [`Ruffle`] |
 //! | `pack` | feathers, fibre tables and cards as the shaders read them |
 //! | `prepare` | gives every groomed bird its material; [`PlumageMemory`] |
+//! | `listed` | draws from the lists of each class that `lod` writes |
 //! | `lod` | compute pass that classifies every card for every camera |
 //! | `bounds` | bounds of cards, for rays |
 //! | `limits` | what the device must offer |
@@ -28,6 +29,7 @@ mod key;
 #[cfg(feature = "internals")]
 pub mod layout;
 mod limits;
+mod listed;
 mod lod;
 mod material;
 mod order;
@@ -101,6 +103,7 @@ impl Plugin for FeatherRenderPlugin {
                 lod::share_meshes(app);
                 prepare::add_systems(app);
                 extra_draws::add_systems(app);
+                listed::add_systems(app);
                 order::add_systems(app);
             }
             FeatherPath::Fallback => {

@@ -2,7 +2,7 @@
 
 use super::{
     key::{FeatherTransparency, ThinLayers},
-    lod::{CardPatches, GRID_BYTES, MEASURED, pack_patches},
+    lod::{CardPatches, GRID_BYTES, MEASURED, list_bytes, pack_patches},
     material::{FeatherMaterial, FeatherSettings},
     pack::{TableCache, albedo_array, pack_cards, pack_feathers, same_paint},
     stacks::StackWork,
@@ -18,7 +18,10 @@ use bevy::{
     asset::RenderAssetUsages,
     platform::collections::HashMap,
     prelude::*,
-    render::{render_resource::BufferUsages, storage::ShaderBuffer},
+    render::{
+        render_resource::{BufferUsages, IndexFormat},
+        storage::ShaderBuffer,
+    },
 };
 
 pub(super) struct PreparePlugin;
@@ -290,15 +293,19 @@ fn prepare_materials(
         };
         let records = pack_cards(&cards.cards);
         let lod = vec![0u8; 4 * cards.cards.len()];
-        let patches = pack_patches(&cards.geometry);
+        let own_mesh = meshes.get(mesh.id());
+        let (patches, listed) = pack_patches(&cards.geometry, own_mesh);
+        let lists = own_mesh
+            .filter(|_| listed)
+            .map_or(0, |mesh| list_bytes(cards.cards.len(), mesh));
         let skin = skin.and_then(|skin| meshes.get(skins.get(skin.parent()).ok()?));
         let measured = skin.map_or(0, |skin| {
             16 * (MEASURED * cards.cards.len() as u64 + skin.count_vertices() as u64)
         });
         let bytes = CardBytes {
-            cards: (records.len() + lod.len() + patches.len()) as u64,
+            cards: (records.len() + lod.len() + patches.len()) as u64 + lists,
             measured,
-            mesh: (mesh.id(), meshes.get(mesh.id()).map_or(0, mesh_bytes)),
+            mesh: (mesh.id(), own_mesh.map_or(0, mesh_bytes)),
         };
         work.materials += 1;
         let quality = qualities
@@ -319,7 +326,10 @@ fn prepare_materials(
         };
         commands.entity(entity).insert((
             MeshMaterial3d(materials.add(material)),
-            CardPatches(buffers.add(upload(patches, "feather_patches"))),
+            CardPatches {
+                patches: buffers.add(upload(patches, "feather_patches")),
+                listed,
+            },
             bytes,
         ));
     }
@@ -389,7 +399,9 @@ fn measure_memory(
 
 fn mesh_bytes(mesh: &Mesh) -> u64 {
     let vertices = mesh.count_vertices() as u64 * mesh.get_vertex_size();
-    let indices = mesh.indices().map_or(0, |i| i.len() as u64 * 4);
+    let indices = mesh.indices().map_or(0, |indices| {
+        (indices.len() * IndexFormat::from(indices).byte_size()) as u64
+    });
     vertices + indices
 }
 

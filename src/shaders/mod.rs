@@ -25,6 +25,8 @@ pub const FEATHER_LOD: &str = "embedded://bevy_plumage/shaders/card/feather_lod.
 pub const FEATHER_SKIN: &str = "embedded://bevy_plumage/shaders/card/feather_skin.wgsl";
 /// Cards behind it.
 pub const FEATHER_HIDE: &str = "embedded://bevy_plumage/shaders/card/feather_hide.wgsl";
+/// Their triangles, class by class.
+pub const FEATHER_LISTS: &str = "embedded://bevy_plumage/shaders/card/feather_lists.wgsl";
 /// The undercoat, as a volume or as shells.
 pub const UNDERCOAT: &str = "embedded://bevy_plumage/shaders/undercoat/undercoat.wgsl";
 /// Skinning and extrusion of the undercoat's shell.
@@ -100,5 +102,6 @@ impl Plugin for ShadersPlugin {
         embedded_asset!(app, "card/feather_lod.wgsl");
         embedded_asset!(app, "card/feather_skin.wgsl");
         embedded_asset!(app, "card/feather_hide.wgsl");
+        embedded_asset!(app, "card/feather_lists.wgsl");
     }
 }

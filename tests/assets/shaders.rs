@@ -140,6 +140,7 @@ fn variants() -> Vec<Variant> {
     all.push(("card/feather_lod.wgsl", Vec::new()));
     all.push(("card/feather_hide.wgsl", Vec::new()));
     all.push(("card/feather_skin.wgsl", Vec::new()));
+    all.push(("card/feather_lists.wgsl", Vec::new()));
     let [coats, strands] = undercoat::fragment_defs(SAMPLES);
     for (file, made) in [
         ("undercoat/undercoat.wgsl", coats),
@@ -322,6 +323,9 @@ fn every_variant_is_valid() {
         "card/feather_vertex.wgsl",
         "card/feather_prepass.wgsl",
         "card/feather_lod.wgsl",
+        "card/feather_hide.wgsl",
+        "card/feather_skin.wgsl",
+        "card/feather_lists.wgsl",
         "undercoat/undercoat.wgsl",
         "undercoat/undercoat_strands.wgsl",
         "undercoat/undercoat_extrude.wgsl",
@@ -356,7 +360,10 @@ fn every_variant_is_valid() {
     let variants = variants();
     eprintln!("{} variants", variants.len());
     for (file, mut defs) in variants {
-        let handle = &handles[files.iter().position(|f| *f == file).unwrap_or_default()];
+        let handle = &handles[files
+            .iter()
+            .position(|f| *f == file)
+            .expect("a file that is loaded")];
         let names = defs.clone();
         for (name, value) in numbers(SAMPLES) {
             defs.retain(|def| !matches!(def, ShaderDefVal::UInt(known, _) if known == name));

@@ -2,7 +2,7 @@
 
 use bevy::{
     math::{Affine3A, Quat, Vec3},
-    mesh::{Indices, Mesh, VertexAttributeValues},
+    mesh::{Mesh, VertexAttributeValues},
 };
 use bevy_plumage::groom::*;
 use plumage_tests::skins::*;
@@ -13,9 +13,8 @@ fn bytes(coat: &Coat) -> Vec<u32> {
     for (_, values) in coat.mesh.attributes() {
         out.extend(values.get_bytes().iter().map(|byte| u32::from(*byte)));
     }
-    if let Some(Indices::U32(indices)) = coat.mesh.indices() {
-        out.extend(indices);
-    }
+    let indices = coat.mesh.indices().unwrap();
+    out.extend(indices.iter().map(|index| index as u32));
     out.extend(
         coat.cards
             .iter()
@@ -151,19 +150,13 @@ fn attributes_are_sound() {
         assert!(side.dot(u) > 0.9 * u.length(), "card {number}");
     }
     // Faces wind so that their front is the normal's side.
-    let Some(Indices::U32(indices)) = coat.mesh.indices() else {
-        panic!()
-    };
+    let indices: Vec<usize> = coat.mesh.indices().unwrap().iter().collect();
     for t in indices.chunks_exact(3) {
-        let [a, b, c] = [t[0], t[1], t[2]].map(|i| positions[i as usize]);
-        assert!((b - a).cross(c - a).dot(normals[t[0] as usize]) > 0.0);
+        let [a, b, c] = [t[0], t[1], t[2]].map(|i| positions[i]);
+        assert!((b - a).cross(c - a).dot(normals[t[0]]) > 0.0);
     }
     // Higher layers come first.
-    let layers: Vec<f32> = indices
-        .iter()
-        .step_by(3)
-        .map(|i| ids[*i as usize][1])
-        .collect();
+    let layers: Vec<f32> = indices.iter().step_by(3).map(|i| ids[*i][1]).collect();
     assert!(layers.windows(2).all(|pair| pair[0] >= pair[1]));
 }
 

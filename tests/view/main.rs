@@ -16,6 +16,7 @@ mod hidden;
 mod life_cycle;
 mod lights;
 mod limits;
+mod lists;
 mod near;
 mod order;
 mod passes;

@@ -1,6 +1,6 @@
 //! Meshes as the search for hidden cards reads them (docs/book/lod.md#hidden-cards): where their vertices are in Bevy's buffers.
 
-use crate::groom::{ATTRIBUTE_RAISED, CardGeometry};
+use crate::groom::ATTRIBUTE_RAISED;
 use bevy::{
     mesh::MeshVertexAttribute,
     prelude::*,
@@ -26,14 +26,6 @@ pub const COUNTER_BYTES: u64 = 4 * FIRST_TEXEL;
 pub const GRID_BYTES: u64 = COUNTER_BYTES + 4 * GRID * GRID;
 /// vec4s that are kept of a card while the pass runs.
 pub const MEASURED: u64 = 2;
-
-/// Two words a card: its first vertex, and their number.
-pub fn pack_patches(geometry: &[CardGeometry]) -> Vec<u8> {
-    let words = geometry
-        .iter()
-        .flat_map(|card| [card.first_vertex, card.vertex_count]);
-    words.flat_map(u32::to_le_bytes).collect()
-}
 
 /// What is needed to find meshes in Bevy's buffers.
 pub struct Meshes<'a> {

@@ -4,13 +4,17 @@
 //! It runs once for every camera, right before that camera draws, so that two cameras share one buffer.
 
 mod hide;
+mod lists;
 mod pass;
 mod skin;
 
 #[cfg(feature = "internals")]
-pub(super) use {pass::params_layout, skin::skin_params_layout};
+pub(super) use {lists::list_params_layout, pass::params_layout, skin::skin_params_layout};
 
-pub(super) use hide::{GRID_BYTES, MEASURED, pack_patches};
+pub(super) use {
+    hide::{GRID_BYTES, MEASURED},
+    lists::{CardLists, ListedDraw, list_bytes, pack_patches},
+};
 
 use super::limits::path_is_full;
 use bevy::{
@@ -36,9 +40,13 @@ use bevy::{
 /// The index is the class in the shaders; 1 to 4 are those of [`crate::maths::query::Lod`].
 pub const CARD_COUNTERS: [&str; 7] = ["culled", "near", "far", "mean", "mixed", "lit", "hidden"];
 
-/// Where the vertices of the cards are in their mesh ([`pack_patches`]).
+/// Where the cards are in their mesh ([`pack_patches`]).
 #[derive(Component)]
-pub(super) struct CardPatches(pub Handle<ShaderBuffer>);
+pub(super) struct CardPatches {
+    pub patches: Handle<ShaderBuffer>,
+    /// Their triangles can be listed.
+    pub listed: bool,
+}
 
 /// Lets compute shaders read the vertices of meshes. Before Bevy makes its buffers.
 pub(super) fn share_meshes(app: &mut App) {
@@ -59,7 +67,11 @@ impl Plugin for LodPlugin {
         };
         render_app
             .init_gpu_resource::<pass::LodBirds>()
-            .add_systems(RenderStartup, pass::init_lod_pipeline.run_if(path_is_full))
+            .init_resource::<CardLists>()
+            .add_systems(
+                RenderStartup,
+                (pass::init_lod_pipeline, lists::init_list_pipelines).run_if(path_is_full),
+            )
             .add_systems(ExtractSchedule, pass::extract_birds)
             .add_systems(
                 Render,

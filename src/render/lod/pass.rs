@@ -8,6 +8,7 @@ use super::{
     },
     CARD_COUNTERS, CardPatches,
     hide::{COUNTER_BYTES, GRID, GRID_BYTES, MEASURED, Meshes, NOTHING, VertexPlaces},
+    lists::{CardLists, ListPipelines, ListedBird},
     skin::{Skin, SkinBuffers, SkinParams, SkinPipelines, SkinQuery},
 };
 use crate::{
@@ -47,6 +48,8 @@ pub struct LodBird {
     lod: AssetId<ShaderBuffer>,
     feathers: AssetId<ShaderBuffer>,
     patches: AssetId<ShaderBuffer>,
+    /// Its triangles are listed class by class.
+    listed: bool,
     mesh: AssetId<Mesh>,
     /// Heights of the worn pose and what may hide cards, where hidden ones are to be found.
     still: Option<(Vec4, Skin)>,
@@ -233,7 +236,8 @@ pub fn extract_birds(
             cards: material.cards.id(),
             lod: material.lod.id(),
             feathers: material.feathers.id(),
-            patches: patches.0.id(),
+            patches: patches.patches.id(),
+            listed: patches.listed && material.splits(),
             mesh: mesh.id(),
             still: motion
                 .filter(|_| material.settings.cull_hidden)
@@ -265,6 +269,8 @@ pub fn prepare_lod_bind_groups(
     buffers: Res<RenderAssets<GpuShaderBuffer>>,
     meshes: Res<RenderAssets<RenderMesh>>,
     allocator: Res<MeshAllocator>,
+    (mut lists, list_pipelines): (ResMut<CardLists>, Option<Res<ListPipelines>>),
+    cameras: Query<Entity, (With<ExtractedCamera>, With<ExtractedView>)>,
 ) {
     let LodBirds {
         birds,
@@ -289,6 +295,18 @@ pub fn prepare_lod_bind_groups(
         let buffers = SkinBuffers::find(&skin, &meshes, &skins, first)?;
         Some((heights, skin, meshes.vertices(bird.mesh)?, buffers))
     };
+    if let Some(pipelines) = list_pipelines {
+        let listed = birds.iter().filter(|bird| bird.listed).filter_map(|bird| {
+            Some(ListedBird {
+                entity: bird.entity,
+                mesh: bird.mesh,
+                cards: bird.count,
+                patches: &buffers.get(bird.patches)?.buffer,
+                lod: &buffers.get(bird.lod)?.buffer,
+            })
+        });
+        lists.prepare(listed, cameras.iter(), &pipelines, &meshes, &cache, &queue);
+    }
     params.clear();
     skin_params.clear();
     let mut rows = 0;
@@ -392,6 +410,8 @@ pub fn feather_lod(
     )>,
     birds: Res<LodBirds>,
     pipeline: Option<Res<LodPipeline>>,
+    lists: Res<CardLists>,
+    list_pipelines: Option<Res<ListPipelines>>,
     cache: Res<PipelineCache>,
     mut ctx: RenderContext,
 ) {
@@ -431,19 +451,21 @@ pub fn feather_lod(
                 run(clear, bind_group, &offsets, (GRID * GRID) as u32);
             }
             run(classify, bind_group, &offsets, bird.count);
-            let Some(hider) = &bird.hider else {
-                continue;
-            };
-            // A skin that this camera does not see hides nothing; of a mirrored one other faces show.
-            if let Some(group) = &hider.bind_group
-                && !view.invert_culling
-                && hider.skin.is_drawn(visible)
-            {
-                let offsets = [view_offset.offset, hider.params_offset];
-                run(project, group, &offsets, hider.params.vertex_count);
-                run(draw, group, &offsets, hider.params.index_count / 3);
+            if let Some(hider) = &bird.hider {
+                // A skin that this camera does not see hides nothing; of a mirrored one other faces show.
+                if let Some(group) = &hider.bind_group
+                    && !view.invert_culling
+                    && hider.skin.is_drawn(visible)
+                {
+                    let offsets = [view_offset.offset, hider.params_offset];
+                    run(project, group, &offsets, hider.params.vertex_count);
+                    run(draw, group, &offsets, hider.params.index_count / 3);
+                }
+                run(hide, bind_group, &offsets, bird.count);
             }
-            run(hide, bind_group, &offsets, bird.count);
+            if let Some(pipelines) = &list_pipelines {
+                lists.write(bird.entity, pipelines, &cache, &mut pass);
+            }
         }
     }
     span.end(encoder);

@@ -54,6 +54,13 @@ const LIT_SHARES: u32 = 31u;
 fn lod_bits(level: u32, lit: u32) -> u32 { return level | (lit << 3u); }
 fn lod_class(bits: u32) -> u32 { return bits & 7u; }
 fn lod_lit(bits: u32) -> u32 { return (bits >> 3u) & 31u; }
+// Which pipelines draw the card: RESOLVED, FAR, MEAN, LIT.
+fn lod_lists(bits: u32) -> vec4<bool> {
+    let level = lod_class(bits);
+    let resolved = level == CARD_NEAR || level == CARD_MIXED;
+    let mean = level == CARD_MEAN || (level == CARD_LIT && lod_lit(bits) < LIT_SHARES);
+    return vec4(resolved, level == CARD_FAR, mean, level == CARD_LIT);
+}
 // The same with the number of the card, as fragments know it.
 fn card_bits(lod: u32, index: u32) -> u32 { return lod | (index << 8u); }
 fn card_index(bits: u32) -> u32 { return bits >> 8u; }

@@ -121,16 +121,16 @@ fn is_drawn(bits: u32) -> bool {
     if (is_light()) {
         return true;
     }
-    let level = data::lod_class(bits);
 #ifdef ONLY_LIT
-    return level == data::CARD_LIT;
+    return data::lod_lists(bits).w;
 #else ifdef ONLY_MEAN
-    return level == data::CARD_MEAN || (level == data::CARD_LIT && data::lod_lit(bits) < data::LIT_SHARES);
+    return data::lod_lists(bits).z;
 #else ifdef ONLY_FAR
-    return level == data::CARD_FAR;
+    return data::lod_lists(bits).y;
 #else ifdef ONLY_RESOLVED
-    return level == data::CARD_NEAR || level == data::CARD_MIXED;
+    return data::lod_lists(bits).x;
 #else
+    let level = data::lod_class(bits);
     return level != data::CARD_CULLED && level != data::CARD_HIDDEN;
 #endif
 }
