@@ -381,7 +381,7 @@ fn spawn_cards(
                 entities: fans,
             },
         ));
-        if coat.worn.reach > 0.0 {
+        if coat.worn.follows() {
             commands.entity(output).insert(Worn::new(coat.worn));
         }
     }

@@ -99,7 +99,13 @@ pub fn press(
         keep(number + 1, settled, leaves);
     }
     let asked = asked(bird.joints.len(), fans, leaves);
-    let poses = WornPoses::new(&worn, reach, &asked);
+    let poses = if worn[0].is_empty() && skinned {
+        // Bind pose, which the bird may leave.
+        let bind = vec![Affine3A::IDENTITY; bird.joints.len()];
+        WornPoses::new(&[bind], reach, &[])
+    } else {
+        WornPoses::new(&worn, reach, &asked)
+    };
     open_between(bird, fans, leaves, &worn, &poses);
     (poses, moved)
 }
@@ -112,8 +118,8 @@ fn with_rows(body: &[Affine3A], fans: &[FanJoint]) -> Vec<Affine3A> {
     body.iter().copied().chain(rows).collect()
 }
 
-/// Opens windows for what is out of order on the way from one pose to another, where heights are blended. They come behind those of
-/// the poses, of which there are then [`MAX_POSES`].
+/// Opens windows for what is out of order on the way from one pose to another, where heights are blended, or away from the only pose. They
+/// come behind those of the poses, of which there are then [`MAX_POSES`].
 fn open_between(
     bird: &Bird,
     fans: &[FanJoint],
@@ -122,7 +128,12 @@ fn open_between(
     poses: &WornPoses,
 ) {
     let count = leaves.iter().map(Leaf::vertex_count).sum();
-    let mut windows = vec![0.0_f32; count];
+    // Whoever leaves the only pose is out of order anywhere.
+    let open = match worn.len() {
+        1 => UNSETTLED_WINDOW,
+        _ => 0.0,
+    };
+    let mut windows = vec![open; count];
     let pairs = (0..worn.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
     let pairs = pairs.filter(|(a, b)| poses.adjacent(*a, *b));
     let ways = pairs.flat_map(|(a, b)| BETWEEN.map(|share| (a, b, share)));

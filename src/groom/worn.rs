@@ -32,17 +32,20 @@ const LITTLE: f32 = 1.0e-3;
 /// is on the way.
 const WAY: (f32, f32) = (0.05, 0.2);
 
+/// Widest turn of a joint from the only pose, radians, up to which a bird is in the pose, and from which it has left it.
+const LEFT: (f32, f32) = (0.05, 0.25);
+
 /// What a bird wears of the poses of its coat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wear {
     /// Share of each pose; sum 1.
     pub shares: [f32; MAX_POSES],
-    /// How far the bird is on the way from one pose to another, 0..1.
+    /// How far the bird is on the way from one pose to another, or away from the only one, 0..1.
     pub between: f32,
 }
 
 /// The poses of a coat as the joints tell them apart: by the rotations relative to the skeleton's first joint of all joints that
-/// turn between them.
+/// turn between them, or of all joints if there is one pose.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WornPoses {
     /// Furthest that a vertex of any further pose is from where it is in the first, metres.
@@ -85,7 +88,8 @@ impl WornPoses {
         };
         let joints: Vec<(usize, f32)> = (1..joints)
             .map(|joint| (joint, widest(joint)))
-            .filter(|(joint, angle)| *angle > STILL && share(*joint) > LITTLE)
+            // One pose is left by whatever joint turns.
+            .filter(|(joint, angle)| poses.len() == 1 || *angle > STILL && share(*joint) > LITTLE)
             .map(|(joint, angle)| (joint, angle.powi(2) * share(joint)))
             .collect();
         let of_pose = |pose: &Vec<Affine3A>| joints.iter().map(|(j, _)| turn(pose, *j)).collect();
@@ -136,9 +140,21 @@ impl WornPoses {
         sorted.sort_by(f32::total_cmp);
         let between = match sorted[..] {
             [own, next, ..] => ease(WAY, own / (own + next).max(f32::MIN_POSITIVE)),
-            _ => 0.0,
+            _ => ease(LEFT, self.widest(&now)),
         };
         Wear { shares, between }
+    }
+
+    /// Widest angle between a joint's rotation and that in the first pose, radians.
+    fn widest(&self, now: &[Quat]) -> f32 {
+        let first = self.rotations.first().into_iter().flatten();
+        let angles = first.zip(now).map(|(a, b)| angle(*a, *b));
+        angles.fold(0.0, f32::max)
+    }
+
+    /// Whether it matters how the joints are turned.
+    pub fn follows(&self) -> bool {
+        !self.joints.is_empty()
     }
 
     /// How far two sets of rotations of the joints are from each other.
@@ -223,6 +239,24 @@ mod tests {
                 Affine3A::from_rotation_translation(Quat::from_rotation_x(angle), Vec3::Y * angle)
             })
             .into()
+    }
+
+    #[test]
+    fn whoever_leaves_the_only_pose_is_on_the_way() {
+        let poses = WornPoses::new(&[pose([0.2, 0.3, 0.1])], 0.0, &[0.0; 3]);
+        let between = |angles: [f32; 3]| {
+            let wear = poses.wear(&pose(angles));
+            assert_eq!(wear.shares[0], 1.0);
+            wear.between
+        };
+        assert_eq!(between([0.2, 0.3, 0.1]), 0.0);
+        assert!(between([1.2, 1.3, 1.1]) < 1.0e-4, "the whole bird turns");
+        let part = between([0.2, 0.3, 0.25]);
+        assert!(part > 0.1 && part < 0.9, "{part}");
+        assert_eq!(between([0.2, 1.3, 0.1]), 1.0);
+        let stiff = WornPoses::new(&[Vec::new()], 0.0, &[]);
+        assert!(!stiff.follows());
+        assert_eq!(stiff.wear(&[]).between, 0.0);
     }
 
     #[test]

@@ -43,6 +43,8 @@ pub struct Count {
     pub color: usize,
     /// Pixels that change their feather within a frame without need.
     pub flicker: usize,
+    /// Those of them where a front and a back, which have no order, pass each other.
+    pub passing: usize,
     /// Pixels of skin, bill and legs that the window paints over.
     pub painted: usize,
     /// Feathers that are shaded at all pixels.
@@ -67,6 +69,11 @@ impl Count {
         100.0 * self.flicker as f32 / self.feathers.max(1) as f32
     }
 
+    /// Share of the pixels of feathers, per cent.
+    pub fn passing(&self) -> f32 {
+        100.0 * self.passing as f32 / self.feathers.max(1) as f32
+    }
+
     /// Pixels of the body painted over, over the pixels of feathers, per cent.
     pub fn painted(&self) -> f32 {
         100.0 * self.painted as f32 / self.feathers.max(1) as f32
@@ -88,6 +95,7 @@ impl Count {
         self.wrong += other.wrong;
         self.color += other.color;
         self.flicker += other.flicker;
+        self.passing += other.passing;
         self.painted += other.painted;
         self.shaded += other.shaded;
         self.bare += other.bare;
@@ -257,6 +265,10 @@ impl<'a> Measured<'a> {
                             self.coat.cards[card as usize].region
                         });
                         *tally.flickers.entry(shown.into()).or_default() += 1;
+                        if let (Some(a), Some(b)) = (pixels[number].card(), its[number].card()) {
+                            let passes = layers.passes(&its_layers, number, a, b);
+                            tally.all.passing += usize::from(passes);
+                        }
                         let wrong = pixels[number].missing().or(its[number].missing());
                         tally.unsettled += usize::from(wrong.is_some());
                     }

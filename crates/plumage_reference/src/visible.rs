@@ -350,6 +350,25 @@ impl Layers {
         self.at(pixel).iter().any(|fragment| fragment.card == card)
     }
 
+    /// Whether of two feathers of a pixel, here and in the next picture, one shows its front and the other its back in either, and each is
+    /// shown where it is the nearer: sheets without an order, one of which moves in front of the other.
+    pub fn passes(&self, next: &Self, pixel: usize, own: u32, its: u32) -> bool {
+        let find = |layers: &Self, card: u32| {
+            let found = layers.at(pixel).iter().find(|f| f.card == card);
+            found.copied()
+        };
+        let pairs = [
+            (find(self, own), find(self, its)),
+            (find(next, its), find(next, own)),
+        ];
+        pairs.into_iter().all(|pair| match pair {
+            (Some(shown), Some(other)) => {
+                shown.near >= other.near && (shown.facing >= 0.0) != (other.facing >= 0.0)
+            }
+            _ => false,
+        })
+    }
+
     /// Pixels whose feather changes from one picture to the next although both feathers are there in both.
     pub fn flicker(&self, own: &[Pixel], next: &Self, its: &[Pixel]) -> Vec<usize> {
         let changes = |pixel: &usize| match (own[*pixel].card(), its[*pixel].card()) {
