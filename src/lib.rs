@@ -101,7 +101,7 @@ pub use plugin::PlumagePlugins;
 pub use render::{
     ActiveFeatherPath, BakedFeather, CARD_COUNTERS, CoverageMethod, DebugView, FeatherMaterial,
     FeatherPath, FeatherQuality, FeatherRenderPlugin, FeatherSettings, FeatherTransparency,
-    PlumageMemory, Ruffle, Wind,
+    PlumageMemory, Ruffle, Wind, fit_cascades,
 };
 pub use skin_color::SkinColorPlugin;
 pub use undercoat::{
@@ -124,5 +124,6 @@ pub mod prelude {
         PlumageCards, PlumageFailed, PlumageMemory, PlumagePlugins, PlumageReady, PlumageState,
         PlumageSystems, RonAsset, Ruffle, Undercoat, UndercoatMode, UndercoatQuality,
         UndercoatSettings, UndercoatState, UndercoatTier, UndercoatView, Weather, Weathering, Wind,
+        fit_cascades,
     };
 }

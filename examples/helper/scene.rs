@@ -14,7 +14,7 @@ use bevy::{
     render::view::ColorGrading,
     world_serialization::{WorldAssetRoot, WorldInstanceReady},
 };
-use bevy_plumage::DebugView;
+use bevy_plumage::{DebugView, fit_cascades};
 use std::f32::consts::FRAC_PI_2;
 
 /// Sun, sky, and the animation of the birds.
@@ -88,7 +88,7 @@ fn wide_shadows() -> CascadeShadowConfig {
     .build()
 }
 
-/// Half the depth of what fitted shadow maps hold, metres: a bird with its branch.
+/// Radius of what fitted shadow maps hold, metres: a bird with its branch.
 const REACH: f32 = 0.9;
 
 fn spawn_lights(mut commands: Commands, args: Res<Args>, setting: Res<Setting>) {
@@ -125,13 +125,7 @@ fn fit_shadows(
     }
     *fitted = distance;
     for mut config in &mut lights {
-        *config = CascadeShadowConfigBuilder {
-            num_cascades: 1,
-            minimum_distance: (distance - REACH).max(0.01),
-            maximum_distance: distance + REACH,
-            ..default()
-        }
-        .build();
+        *config = fit_cascades(&(*camera).into(), orbit.target, REACH);
     }
 }
 

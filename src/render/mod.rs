@@ -20,6 +20,7 @@
 
 mod baked;
 mod bounds;
+mod cascades;
 mod extra_draws;
 mod fallback;
 #[cfg(feature = "internals")]
@@ -41,6 +42,7 @@ mod vertex_light;
 mod wind;
 
 pub use baked::BakedFeather;
+pub use cascades::fit_cascades;
 pub use key::{CoverageMethod, DrawnCards, FeatherTransparency, ThinLayers};
 pub use limits::{ActiveFeatherPath, FeatherPath};
 pub use lod::CARD_COUNTERS;
