@@ -11,6 +11,8 @@ const DARK: u32 = 0x33271F;
 const BROWN: u32 = 0x4A3524;
 /// Brown of the whole bird: hardly a color, as photographs show it.
 const BODY: u32 = 0x473D34;
+/// Pale rim of the body's feathers, by which each shows from afar.
+const RIM: u32 = 0x826F5C;
 
 const HEAD: Micro = Micro {
     pitch: [0.35; 2],
@@ -112,7 +114,7 @@ pub(super) fn all() -> Vec<Template> {
         right: ROUND,
         fringe: 0.08,
         gaps: gaps(4, 0.008, 0.4, 33),
-        albedo: rimmed(body(0.46, BASE, 0x3A2A1E, BROWN), 0.08, 0x735C46),
+        albedo: rimmed(body(0.46, BASE, 0x3A2A1E, BROWN), 0.1, RIM),
         ..head.clone()
     };
     let primary = Template {
@@ -209,7 +211,7 @@ pub(super) fn all() -> Vec<Template> {
             right: super::profiles::SOFT,
             fringe: 0.26,
             gaps: gaps(6, 0.010, 0.5, 43),
-            albedo: both(body(0.46, BASE, 0x38302A, BODY)),
+            albedo: rimmed(body(0.46, BASE, 0x38302A, BODY), 0.1, RIM),
             ..contour.clone()
         },
         Template {
@@ -220,7 +222,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.34,
             gaps: gaps(7, 0.010, 0.45, 34),
-            albedo: both(body(0.58, BASE, 0x463B32, BODY)),
+            albedo: rimmed(body(0.58, BASE, 0x463B32, BODY), 0.1, RIM),
             ..contour.clone()
         },
         Template {
@@ -339,7 +341,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.5,
             gaps: gaps(8, 0.010, 0.5, 41),
-            albedo: both(body(0.55, BASE, 0x625346, 0x665443)),
+            albedo: rimmed(body(0.55, BASE, 0x625346, 0x665443), 0.1, RIM),
             ..contour.clone()
         },
         Template {
