@@ -8,7 +8,7 @@ const DOWN: u32 = 0xCFC4BC;
 const GOLD: u32 = 0xE8A24A;
 const SCARLET: u32 = 0xC4231A;
 /// Rims of the red body feathers, by which one is told from the next.
-const CRIMSON: u32 = 0xA8221A;
+const CRIMSON: u32 = 0x9E1E17;
 const LIGHT_BLUE: u32 = 0x5DA9DC;
 const BLUE: u32 = 0x1F3F9C;
 const RED_GOLD: u32 = 0xA8431F;
@@ -104,7 +104,7 @@ pub(super) fn all() -> Vec<Template> {
         right: ROUND,
         fringe: 0.08,
         gaps: gaps(3, 0.009, 0.4, 13),
-        albedo: rimmed(body(0.4, DOWN, GOLD, SCARLET), 0.08, CRIMSON),
+        albedo: rimmed(body(0.4, DOWN, GOLD, SCARLET), 0.12, CRIMSON),
         ..head.clone()
     };
     let primary = Template {
@@ -138,7 +138,7 @@ pub(super) fn all() -> Vec<Template> {
         micro: lesser_micro,
         fringe: 0.03,
         gaps: gaps(2, 0.008, 0.3, 18),
-        albedo: rimmed(body(0.36, DOWN, GOLD, SCARLET), 0.08, CRIMSON),
+        albedo: rimmed(body(0.36, DOWN, GOLD, SCARLET), 0.12, CRIMSON),
         ..contour.clone()
     };
     let greater = Template {
@@ -208,7 +208,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.35,
             gaps: gaps(6, 0.012, 0.45, 15),
-            albedo: rimmed(body(0.46, DOWN, GOLD, 0xB8221A), 0.08, CRIMSON),
+            albedo: rimmed(body(0.46, DOWN, GOLD, 0xB8221A), 0.12, CRIMSON),
             ..contour.clone()
         },
         Template {

@@ -53,9 +53,6 @@ pub enum Tract {
     MarginalHand = 32,
 }
 
-/// Where the breast begins before the front edge of the folded wing, mm on the macaw: feathers rooted nearer lie below the wing.
-const LAP: f32 = 11.0;
-
 /// How far from the plumage over the folded arm the skin still belongs to it, in radii of the humerus.
 const OVER_ARM: f32 = 1.1;
 
@@ -162,7 +159,7 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     }
     // Breast feathers lie over the wing's front edge; what the wing covers lies below it.
     if theta > 102.0 && arc > belly {
-        return if body.before_wing(q) > LAP * s.scale {
+        return if body.before_wing(q) > s.lap * s.scale {
             Tract::Breast
         } else {
             Tract::Side

@@ -150,6 +150,8 @@ pub struct Species {
     pub swell_scale: f32,
     /// Distance over which the skin of the shoulder changes from chest to wing, mm.
     pub shoulder_reach: f32,
+    /// Where the breast begins before the front edge of the folded wing, mm on the macaw: feathers rooted nearer lie below the wing.
+    pub lap: f32,
     /// Plumage over the folded arm.
     pub shoulder: Option<Shoulder>,
     /// Ridge above the eye.
