@@ -6,6 +6,9 @@ use bevy_plumage::anatomy::Pattern;
 
 const DOWN: u32 = 0xCFC4BC;
 const GOLD: u32 = 0xE8A24A;
+/// Base of the red feathers and what follows it, shaded by those above: white and gold would speckle the coat.
+const BASE: u32 = 0xB8705E;
+const AMBER: u32 = 0xC6502A;
 const SCARLET: u32 = 0xC4231A;
 /// Rims of the red body feathers, by which one is told from the next.
 const CRIMSON: u32 = 0x9E1E17;
@@ -104,7 +107,7 @@ pub(super) fn all() -> Vec<Template> {
         right: ROUND,
         fringe: 0.08,
         gaps: gaps(3, 0.009, 0.4, 13),
-        albedo: rimmed(body(0.4, DOWN, GOLD, SCARLET), 0.12, CRIMSON),
+        albedo: rimmed(body(0.4, BASE, AMBER, SCARLET), 0.12, CRIMSON),
         ..head.clone()
     };
     let primary = Template {
@@ -138,7 +141,7 @@ pub(super) fn all() -> Vec<Template> {
         micro: lesser_micro,
         fringe: 0.03,
         gaps: gaps(2, 0.008, 0.3, 18),
-        albedo: rimmed(body(0.36, DOWN, GOLD, SCARLET), 0.12, CRIMSON),
+        albedo: rimmed(body(0.36, BASE, AMBER, SCARLET), 0.12, CRIMSON),
         ..contour.clone()
     };
     let greater = Template {
@@ -208,7 +211,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.35,
             gaps: gaps(6, 0.012, 0.45, 15),
-            albedo: rimmed(body(0.46, DOWN, GOLD, 0xB8221A), 0.12, CRIMSON),
+            albedo: rimmed(body(0.46, BASE, AMBER, 0xB8221A), 0.12, CRIMSON),
             ..contour.clone()
         },
         Template {
@@ -351,7 +354,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.4,
             gaps: gaps(7, 0.014, 0.45, 23),
-            albedo: both(body(0.45, DOWN, GOLD, 0xB8221A)),
+            albedo: both(body(0.45, BASE, AMBER, 0xB8221A)),
             ..contour
         },
     ]

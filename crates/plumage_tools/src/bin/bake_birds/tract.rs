@@ -265,7 +265,7 @@ fn lore(body: &Body, q: Vec3) -> bool {
 const EDGE: f32 = 0.09;
 
 /// Share of the hand that still wears the coverts of the arm's edge.
-const WRIST: f32 = 0.25;
+const WRIST: f32 = 0.4;
 
 fn wing(body: &Body, q: Vec3) -> Tract {
     let c = body.wing.chord(q);
