@@ -12,7 +12,7 @@ use bevy::math::{Vec2, Vec3, Vec4};
 const PIXEL: f32 = 0.2;
 const PIXELS: f32 = 400.0;
 /// Cosine between a face and the eye, below which it is seen edge-on.
-const STEEP: f32 = 0.12;
+const STEEP: f32 = 0.06;
 
 /// A feather at a pixel.
 #[derive(Clone, Copy)]

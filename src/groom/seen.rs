@@ -30,6 +30,13 @@ const DEPTH: usize = 3;
 
 /// What is added to a window, widths.
 const MARGIN: f32 = 0.02;
+/// Window of what is seen and in order, widths, the smallest that is kept: where feathers touch, a little motion would bring the lower
+/// through the upper, and back.
+const IN_ORDER: f32 = 0.01;
+/// Window of the upper of two that touch, widths.
+const IN_TOUCH: f32 = 0.04;
+/// Distance of two that touch, widths of the narrower, at most.
+const TOUCH: f32 = 0.01;
 
 /// Share in a place of a vertex below which its window is not asked for there.
 const LITTLE: f32 = 0.12;
@@ -118,7 +125,7 @@ impl Seen<'_> {
     }
 
     /// Windows, widths of the leaf, for each vertex: of what should be seen in these rounds of pictures and is not, as far as that
-    /// takes.
+    /// takes; of what is seen and in order, enough to stay so where the coat moves a little.
     pub fn windows(&self, heights: &[f32], rounds: Range<usize>) -> Vec<f32> {
         let drawing = self.drawing(heights);
         let parts = self.pictures(&drawing, rounds, |found| {
@@ -186,12 +193,21 @@ impl Seen<'_> {
             .collect()
     }
 
-    /// The place that should be seen at a pixel, and the window that this takes; none if it is seen without, or never.
+    /// The place that should be seen at a pixel, and the window that this takes; none if no window brings it there.
     fn need(&self, list: &[Fragment], stands: &Stands) -> Option<(Spot, f32)> {
         let shown = list.first().filter(|shown| shown.facing > 0.0)?;
         let wanted = wanted(list, shown, stands);
         if wanted.leaf == shown.leaf {
-            return None;
+            let own = stands.of(shown.leaf);
+            let touches = |other: &Fragment| {
+                let its = stands.of(other.leaf);
+                other.facing > 0.0
+                    && its.layer < own.layer
+                    && shown.near - other.near < TOUCH * own.width.min(its.width)
+                    && stands.related(shown.leaf, other.leaf)
+            };
+            let touches = list[1..].iter().any(touches);
+            return Some((shown.spot(), if touches { IN_TOUCH } else { IN_ORDER }));
         }
         let block = &self.carried.blocks[wanted.leaf as usize];
         let last = (block.rows - 1) as f32;

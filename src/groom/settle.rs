@@ -31,15 +31,15 @@ const ROUNDS: usize = 25;
 /// Times that the coat is looked at from all around after that.
 const LOOKS: usize = 3;
 /// Rounds of projection after each.
-const LOOK_ROUNDS: usize = 15;
+const LOOK_ROUNDS: usize = 25;
 /// Times that it is looked at for what is still out of order.
 const WINDOW_LOOKS: usize = 3;
 /// Furthest that a vertex moves, in distances from the root: down, up.
 const RANGE: (f32, f32) = (-0.5, 0.6);
 /// What is added to both at the root and elsewhere, in median widths.
 const FREE: f32 = 0.5;
-/// Furthest that any vertex moves: over the root of the skin's area (parrot 14 mm, eagle 25 mm), and in median widths.
-const MOST: (f32, f32) = (0.0355, 1.9);
+/// Furthest that any vertex moves: over the root of the skin's area (parrot 14.4 mm, eagle 24.9 mm), and in median widths.
+const MOST: (f32, f32) = (0.0353, 1.9);
 /// Clear height over the skin, in median widths.
 const CLEAR: f32 = 0.035;
 /// How far a vertex goes towards the mean of those around it after each round.

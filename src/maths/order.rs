@@ -7,7 +7,7 @@ use super::functions::{Real, clamp, real, smooth_step};
 ///
 /// None on back faces: from below the nearest is the right one. None at the root, which lies in the skin.
 pub fn order_reach<T: Real>(window: T, facing: T, along: T) -> T {
-    let front = clamp(real::<T>(4.0) * facing, T::zero(), T::one());
+    let front = clamp(real::<T>(8.0) * facing, T::zero(), T::one());
     window * front * smooth_step(real(0.05), real(0.3), along)
 }
 

@@ -5,7 +5,7 @@
 
 // `window`: the widest; `facing`: cosine between the eye and the front face; `along`: share of the length.
 fn order_reach(window: f32, facing: f32, along: f32) -> f32 {
-    return window * clamp(4.0 * facing, 0.0, 1.0) * smooth_step(0.05, 0.3, along);
+    return window * clamp(8.0 * facing, 0.0, 1.0) * smooth_step(0.05, 0.3, along);
 }
 
 // Window of meshes that keep none.
