@@ -46,6 +46,9 @@ struct Args {
     /// Folder with another state of it, whose figures come first
     #[arg(long)]
     before: Option<PathBuf>,
+    /// Shader definition, such as WORN_POSES; figures without it come first
+    #[arg(long, conflicts_with = "before")]
+    without: Option<String>,
     /// Write the table into benches/results, too
     #[arg(long)]
     save: bool,
@@ -249,9 +252,15 @@ fn main() -> Result<()> {
         .shaders
         .clone()
         .unwrap_or_else(|| root().join("src/shaders"));
-    let before = match &args.before {
-        Some(old) => Some(measure(&args, old, &pipelines, &folder)?),
-        None => None,
+    let before = match (&args.before, &args.without) {
+        (Some(old), _) => Some(measure(&args, old, &pipelines, &folder)?),
+        (None, Some(name)) => {
+            let mut plain = pipelines.clone();
+            let stages = plain.iter_mut().flat_map(|pipeline| &mut pipeline.stages);
+            stages.for_each(|stage| stage.leave_out(name));
+            Some(measure(&args, &shaders, &plain, &folder)?)
+        }
+        (None, None) => None,
     };
     let (device, rows, code) = measure(&args, &shaders, &pipelines, &folder)?;
     let date = output_of("date", &["+%F"])?;

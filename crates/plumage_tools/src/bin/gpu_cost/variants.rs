@@ -15,6 +15,7 @@ use plumage_tests::shaders::{FORWARD, PREPASS, Variant, bools, feather_stages, n
 const SAMPLES: u32 = 4;
 
 /// An entry point of a file, and the definitions of the file.
+#[derive(Clone)]
 pub struct Stage {
     /// Which stage.
     pub kind: ShaderStage,
@@ -27,6 +28,7 @@ pub struct Stage {
 }
 
 /// One pipeline.
+#[derive(Clone)]
 pub struct Pipeline {
     /// In words.
     pub name: String,
@@ -40,6 +42,18 @@ pub struct Pipeline {
     pub usual: bool,
     /// It needs the published methods.
     pub comparison: bool,
+}
+
+impl Stage {
+    /// Takes a definition away.
+    pub fn leave_out(&mut self, name: &str) {
+        self.defs.retain(|def| {
+            let (ShaderDefVal::Bool(own, _)
+            | ShaderDefVal::Int(own, _)
+            | ShaderDefVal::UInt(own, _)) = def;
+            own != name
+        });
+    }
 }
 
 fn stage(kind: ShaderStage, file: &str, entry: &'static str, defs: &[ShaderDefVal]) -> Stage {
