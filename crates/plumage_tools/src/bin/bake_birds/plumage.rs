@@ -172,7 +172,7 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
         | Tract::LesserUnder
         | Tract::MarginalUnder
         | Tract::CovertUnder => d = wing_lay(species, body, tract, p),
-        Tract::Breast => {
+        Tract::Breast | Tract::BreastSide => {
             // At its sides the breast closes over the front edge of the folded wing.
             let reach = 45.0 * species.scale;
             let near = 1.0 - (body.before_wing(p.abs()) / reach).clamp(0.0, 1.0);

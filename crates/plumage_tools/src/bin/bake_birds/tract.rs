@@ -51,6 +51,8 @@ pub enum Tract {
     Shoulder = 31,
     /// Leading edge of the hand, where its small coverts differ from the arm's.
     MarginalHand = 32,
+    /// Breast next to the folded wing, whose front edge its feathers cover.
+    BreastSide = 33,
 }
 
 /// How far from the plumage over the folded arm the skin still belongs to it, in radii of the humerus.
@@ -159,8 +161,9 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     }
     // Breast feathers lie over the wing's front edge; what the wing covers lies below it.
     if theta > 102.0 && arc > belly {
-        return if body.before_wing(q) > s.lap * s.scale {
-            Tract::Breast
+        let before = body.before_wing(q);
+        return if before > s.lap * s.scale {
+            breast(body, before)
         } else {
             Tract::Side
         };
@@ -178,13 +181,27 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     }
     // What lies above the folded wing hangs down over its upper edge.
     if arc > side(body) && theta < 102.0 {
-        return if body.before_wing(q) > 0.0 {
-            Tract::Breast
+        let before = body.before_wing(q);
+        return if before > 0.0 {
+            breast(body, before)
         } else {
             Tract::Side
         };
     }
     Tract::Flank
+}
+
+/// How far the breast's side reaches before the folded wing, mm on the macaw.
+const BREAST_SIDE: f32 = 24.0;
+
+/// The breast, or its side on birds with feathers of their own there, `before` mm before the folded wing.
+fn breast(body: &Body, before: f32) -> Tract {
+    let beside = before < BREAST_SIDE * body.species.scale;
+    if beside && body.species.has(Tract::BreastSide) {
+        Tract::BreastSide
+    } else {
+        Tract::Breast
+    }
 }
 
 /// Arc at which the flank, which covers the lower edge of the folded wing, gives way to the side below it.
@@ -345,7 +362,7 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         Tract::Mantle | Tract::ScapularMantle | Tract::Shoulder => arc(mantle, back),
         Tract::Back => arc(back, rump),
         Tract::Rump => arc(rump, tail),
-        Tract::Breast => arc(mantle, belly),
+        Tract::Breast | Tract::BreastSide => arc(mantle, belly),
         Tract::Belly => arc(belly, vent),
         Tract::Vent => arc(vent, tail),
         Tract::Flank => arc(belly, tail),

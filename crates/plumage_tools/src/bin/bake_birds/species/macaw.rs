@@ -282,7 +282,8 @@ const TRACTS: &[TractRow] = &[
     row("scapulars", &[ScapularMantle], "contour", 90, 5, (48., 86.), (24., 30.), (9., 7.), (0.05, 8.), (0.25, 1200., (5, 2)), (0xC8361D, 0xC4361C)),
     row("shoulder", &[Shoulder], "contour", 180, 0, (20., 26.), (14., 17.), (4., 3.), (0.06, 14.), (0.25, 0.6, CONTOUR), (0xC8361D, 0xC6351C)),
     row("shoulder_side", &[Shoulder], "contour", 60, 0, (14., 18.), (12., 16.), (1., 1.), (0.06, 8.), (0., 0.5, LESSER), (0xC6341C, 0xC6341C)),
-    row("breast", &[Breast], "contour", 195, 15, (26., 36.), (16., 20.), (10., 6.), (0.05, 18.), (0.25, 1500., CONTOUR), (0xCC3826, 0xCC3826)),
+    row("breast", &[Breast], "contour", 155, 15, (26., 36.), (16., 20.), (10., 6.), (0.05, 18.), (0.25, 1500., CONTOUR), (0xCC3826, 0xCC3826)),
+    row("breast_side", &[BreastSide], "contour", 70, 0, (32., 40.), (18., 22.), (2., 2.), (0.06, 9.), (0.25, 1450., CONTOUR), (0xCC3826, 0xCA3624)),
     row("belly", &[Belly], "soft", 90, 0, (32., 46.), (20., 26.), (7., 5.), (0.05, 22.), (0.05, 660., CONTOUR), (0xC03222, 0xC03222)),
     row("flanks", &[Flank], "soft", 220, 0, (32., 46.), (18., 24.), (4., 3.), (0.05, 22.), (0.05, 640., CONTOUR), (0xC03222, 0xC03222)),
     row("side", &[Side], "contour", 163, 0, (28., 34.), (16., 20.), (2., 2.), (0.06, 12.), (0., 620., CONTOUR), (0xC6341C, 0xC0301B)),
@@ -293,7 +294,7 @@ const TRACTS: &[TractRow] = &[
     row("marginal_upper", &[MarginalUpper], "lesser", 480, 0, (9., 14.), (6., 9.), (1., 1.), (0.05, 6.), (0.3, 1100., HEAD), (0xC8361D, 0xC8361D)),
     row("marginal_hand", &[MarginalHand], "blue", 120, 0, (7., 10.), (5., 7.), (1., 1.), (0.05, 6.), (0.3, 1050., HEAD), (0x2450AE, 0x2450AE)),
     row("lesser_under", &[LesserUnder], "lesser", 336, 7, (13., 24.), (11., 15.), (5., 5.), (0.06, 10.), (0.5, 1000., LESSER), (0xB03020, 0xB03020)),
-    row("marginal_under", &[MarginalUnder], "lesser", 428, 0, (6., 13.), (5., 8.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0xB03020, 0xB03020)),
+    row("marginal_under", &[MarginalUnder], "lesser", 398, 0, (6., 13.), (5., 8.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0xB03020, 0xB03020)),
     row("femoral", &[Femoral], "leg", 230, 0, (26., 34.), (14., 19.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0xC03222, 0xC03222)),
     row("crural", &[Crural], "leg", 470, 0, (26., 15.), (13., 9.), (7., 6.), (0.08, 18.), (0.05, 500., LESSER), (0xC0301B, 0xB02C1C)),
 ];
