@@ -125,3 +125,54 @@ fn feet_and_bill_are_the_bird_but_not_its_feathers() {
     let billed = found(&picture, &cards, Species::Macaw, View::Back);
     assert!(slim(&billed) > slim(&plain), "{billed:?}");
 }
+
+#[test]
+fn a_border_is_no_region_of_its_mixed_color() {
+    let olive = |across: usize| {
+        let (mut picture, cards) = bird([205, 52, 36]);
+        for y in 40..60 {
+            for x in 30..30 + across {
+                let at = 3 * (y * WIDTH + x);
+                picture[at..at + 3].copy_from_slice(&[110, 80, 30]);
+            }
+        }
+        let lines = found(&picture, &cards, Species::Macaw, View::Front);
+        let line = lines
+            .into_iter()
+            .find(|line| line.what == "olive, % of the feathers");
+        line.map(|line| line.found)
+    };
+    assert_eq!(olive(2), Some(0.0));
+    // 60 pixels of the ellipse's 3,110.
+    assert!(olive(3).is_some_and(|share| (share - 1.93).abs() < 0.05));
+}
+
+#[test]
+fn the_breasts_of_two_birds_lie_within_each() {
+    // Between two birds the middle third of a row would be their wings.
+    let (single, cards) = bird([205, 52, 36]);
+    let with_wings = |bytes: &[u8], flip: bool| -> Vec<u8> {
+        let mut bytes = bytes.to_vec();
+        for y in 30..70 {
+            for x in 40..WIDTH {
+                let x = if flip { WIDTH - 1 - x } else { x };
+                let at = 3 * (y * WIDTH + x);
+                let outer = if flip { x < 28 } else { x > 52 };
+                if outer && bytes[at] == 205 {
+                    bytes[at..at + 3].copy_from_slice(&[120, 120, 160]);
+                }
+            }
+        }
+        bytes
+    };
+    let beside = |left: &[u8], right: &[u8]| -> Vec<u8> {
+        let rows = left
+            .chunks_exact(3 * WIDTH)
+            .zip(right.chunks_exact(3 * WIDTH));
+        rows.flat_map(|(a, b)| [a, b].concat()).collect()
+    };
+    let picture = beside(&with_wings(&single, false), &with_wings(&single, true));
+    let pair = Subject::new(&picture, &beside(&cards, &cards), 2 * WIDTH);
+    let lines = pair.judge(Species::Macaw, View::Front);
+    assert_eq!(failures(&lines, 8), 0, "{lines:?}");
+}
