@@ -270,21 +270,21 @@ const SKIN: &[(&[Tract], u32)] = &[
 /// Scattered tracts.
 #[rustfmt::skip]
 const TRACTS: &[TractRow] = &[
-    row("crown", &[Crown], "head", 400, 0, (8., 17.), (4.5, 7.), (10., 6.), (0.05, 10.), (0.1, 1800., HEAD), (0xD23A1E, 0xD23A1E)),
-    row("nape", &[Nape], "head", 280, 0, (16., 24.), (8., 10.), (8., 8.), (0.06, 15.), (0.1, 1700., HEAD), (0xD23A1E, 0xD23A1E)),
-    row("cheek", &[Cheek], "head", 520, 0, (8., 20.), (5.5, 8.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0xCE381C, 0xCE381C)),
+    row("crown", &[Crown], "head", 420, 0, (8., 17.), (4.5, 7.), (10., 6.), (0.05, 10.), (0.1, 1800., HEAD), (0xD23A1E, 0xD23A1E)),
+    row("nape", &[Nape], "head", 190, 0, (16., 24.), (8., 10.), (8., 8.), (0.06, 15.), (0.1, 1700., HEAD), (0xD23A1E, 0xD23A1E)),
+    row("cheek", &[Cheek], "head", 540, 0, (8., 20.), (5.5, 8.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0xCE381C, 0xCE381C)),
     row("face_lines", &[Bare], "face_line", 160, 5, (2., 4.), (1.2, 2.), (20., 20.), (0., 0.), (0.1, 1950., HEAD), (0xF1E4D8, 0xF1E4D8)),
-    row("neck_dorsal", &[NeckDorsal], "neck", 290, 0, (20., 28.), (13., 17.), (4., 3.), (0.07, 10.), (0.2, 1600., CONTOUR), (0xD23C22, 0xC83824)),
-    row("neck_ventral", &[NeckVentral], "neck", 340, 0, (16., 28.), (11., 16.), (6., 4.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xCC3826, 0xCC3826)),
-    row("mantle", &[Mantle, ScapularMantle], "contour", 140, 10, (30., 42.), (17., 22.), (9., 9.), (0.06, 10.), (0.25, 1400., CONTOUR), (0xC8361D, 0xC4381D)),
+    row("neck_dorsal", &[NeckDorsal], "neck", 256, 0, (20., 28.), (13., 17.), (4., 3.), (0.07, 10.), (0.2, 1600., CONTOUR), (0xD23C22, 0xC83824)),
+    row("neck_ventral", &[NeckVentral], "neck", 300, 0, (16., 28.), (11., 16.), (8., 7.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xCC3826, 0xCC3826)),
+    row("mantle", &[Mantle, ScapularMantle], "contour", 124, 9, (30., 44.), (18., 23.), (9., 9.), (0.06, 10.), (0.25, 1400., CONTOUR), (0xC8361D, 0xC4381D)),
     row("back", &[Back], "contour", 70, 6, (34., 46.), (20., 25.), (9., 9.), (0.06, 8.), (0.25, 1300., CONTOUR), (0xC83A1E, 0xC4361C)),
     row("rump", &[Rump], "blue", 80, 8, (28., 42.), (18., 24.), (8., 8.), (0.08, 6.), (0.25, 320., CONTOUR), (0x5DA9DC, 0x5DA9DC)),
     row("scapulars", &[ScapularMantle], "contour", 90, 5, (48., 86.), (24., 30.), (9., 7.), (0.05, 8.), (0.25, 1200., (5, 2)), (0xC8361D, 0xC4361C)),
     row("shoulder", &[Shoulder], "contour", 180, 0, (20., 26.), (14., 17.), (4., 3.), (0.06, 14.), (0.25, 0.6, CONTOUR), (0xC8361D, 0xC6351C)),
     row("shoulder_side", &[Shoulder], "contour", 60, 0, (14., 18.), (12., 16.), (1., 1.), (0.06, 8.), (0., 0.5, LESSER), (0xC6341C, 0xC6341C)),
     row("breast", &[Breast], "contour", 155, 15, (26., 36.), (16., 20.), (10., 6.), (0.05, 18.), (0.25, 1500., CONTOUR), (0xCC3826, 0xCC3826)),
-    row("breast_side", &[BreastSide], "contour", 70, 0, (32., 40.), (18., 22.), (2., 2.), (0.06, 9.), (0.25, 1450., CONTOUR), (0xCC3826, 0xCA3624)),
-    row("belly", &[Belly], "soft", 90, 0, (32., 46.), (20., 26.), (7., 5.), (0.05, 22.), (0.05, 660., CONTOUR), (0xC03222, 0xC03222)),
+    row("breast_side", &[BreastSide], "contour", 70, 0, (32., 40.), (18., 22.), (6., 4.), (0.06, 16.), (0.25, 1450., CONTOUR), (0xCC3826, 0xCA3624)),
+    row("belly", &[Belly], "soft", 110, 0, (32., 46.), (20., 26.), (7., 5.), (0.05, 22.), (0.05, 660., CONTOUR), (0xC03222, 0xC03222)),
     row("flanks", &[Flank], "soft", 220, 0, (32., 46.), (18., 24.), (4., 3.), (0.05, 22.), (0.05, 640., CONTOUR), (0xC03222, 0xC03222)),
     row("side", &[Side], "contour", 163, 0, (28., 34.), (16., 20.), (2., 2.), (0.06, 12.), (0., 620., CONTOUR), (0xC6341C, 0xC0301B)),
     row("vent", &[Vent], "blue", 46, 0, (24., 34.), (15., 20.), (5., 5.), (0.05, 10.), (0.25, 300., CONTOUR), (0x6BAFD8, 0x6BAFD8)),
@@ -294,9 +294,9 @@ const TRACTS: &[TractRow] = &[
     row("marginal_upper", &[MarginalUpper], "lesser", 480, 0, (9., 14.), (6., 9.), (1., 1.), (0.05, 6.), (0.3, 1100., HEAD), (0xC8361D, 0xC8361D)),
     row("marginal_hand", &[MarginalHand], "blue", 120, 0, (7., 10.), (5., 7.), (1., 1.), (0.05, 6.), (0.3, 1050., HEAD), (0x2450AE, 0x2450AE)),
     row("lesser_under", &[LesserUnder], "lesser", 336, 7, (13., 24.), (11., 15.), (5., 5.), (0.06, 10.), (0.5, 1000., LESSER), (0xB03020, 0xB03020)),
-    row("marginal_under", &[MarginalUnder], "lesser", 398, 0, (6., 13.), (5., 8.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0xB03020, 0xB03020)),
+    row("marginal_under", &[MarginalUnder], "lesser", 466, 0, (6., 13.), (5., 8.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0xB03020, 0xB03020)),
     row("femoral", &[Femoral], "leg", 230, 0, (26., 34.), (14., 19.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0xC03222, 0xC03222)),
-    row("crural", &[Crural], "leg", 470, 0, (26., 15.), (13., 9.), (7., 6.), (0.08, 18.), (0.05, 500., LESSER), (0xC0301B, 0xB02C1C)),
+    row("crural", &[Crural], "leg", 522, 0, (26., 15.), (13., 9.), (7., 6.), (0.08, 18.), (0.05, 500., LESSER), (0xC0301B, 0xB02C1C)),
 ];
 
 /// Rows.
