@@ -45,6 +45,8 @@ pub struct Count {
     pub flicker: usize,
     /// Those of them where a front and a back, which have no order, pass each other.
     pub passing: usize,
+    /// Those of them where a border of one feather moves over another part of the same feather.
+    pub borders: usize,
     /// Pixels of skin, bill and legs that the window paints over.
     pub painted: usize,
     /// Feathers that are shaded at all pixels.
@@ -74,6 +76,11 @@ impl Count {
         100.0 * self.passing as f32 / self.feathers.max(1) as f32
     }
 
+    /// Share of the pixels of feathers, per cent.
+    pub fn borders(&self) -> f32 {
+        100.0 * self.borders as f32 / self.feathers.max(1) as f32
+    }
+
     /// Pixels of the body painted over, over the pixels of feathers, per cent.
     pub fn painted(&self) -> f32 {
         100.0 * self.painted as f32 / self.feathers.max(1) as f32
@@ -96,6 +103,7 @@ impl Count {
         self.color += other.color;
         self.flicker += other.flicker;
         self.passing += other.passing;
+        self.borders += other.borders;
         self.painted += other.painted;
         self.shaded += other.shaded;
         self.bare += other.bare;
@@ -268,6 +276,8 @@ impl<'a> Measured<'a> {
                         if let (Some(a), Some(b)) = (pixels[number].card(), its[number].card()) {
                             let passes = layers.passes(&its_layers, number, a, b);
                             tally.all.passing += usize::from(passes);
+                            let borders = layers.moves_in(&its_layers, number, a, b);
+                            tally.all.borders += usize::from(borders && !passes);
                         }
                         let wrong = pixels[number].missing().or(its[number].missing());
                         tally.unsettled += usize::from(wrong.is_some());

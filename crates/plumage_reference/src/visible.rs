@@ -18,6 +18,8 @@ const FACING: f32 = 0.31;
 const REACH: f32 = 0.5;
 /// Distance of two tints, in CIE Lab, from which a pixel counts as being of the wrong color.
 const COLOR: f32 = 8.0;
+/// Shares of the length by which two fragments of one feather are different parts of it.
+const PART: f32 = 0.1;
 
 /// An orthographic view.
 #[derive(Clone, Copy, Debug)]
@@ -367,6 +369,17 @@ impl Layers {
             }
             _ => false,
         })
+    }
+
+    /// Whether a part of a feather that one picture shows is not at the pixel in the other, where the same feather lies further behind
+    /// with another part: a border moves over the pixel, as of any two feathers of which one ends there.
+    pub fn moves_in(&self, next: &Self, pixel: usize, own: u32, its: u32) -> bool {
+        let part = |layers: &Self, card: u32| {
+            let found = layers.at(pixel).iter().find(|f| f.card == card);
+            found.map_or(f32::NAN, |fragment| fragment.along)
+        };
+        let stays = |card: u32| (part(self, card) - part(next, card)).abs() < PART;
+        !(stays(own) && stays(its))
     }
 
     /// Pixels whose feather changes from one picture to the next although both feathers are there in both.

@@ -80,11 +80,12 @@ struct Args {
 fn line(name: &str, tally: &Tally) {
     let all = &tally.all;
     println!(
-        "{name:>10}: {:6.2} % wrong, {:6.2} % wrong color, flicker {:.3} % ({:.3} % passing), body painted over {:.3} %, body {:.3} %, {:.2} shaded, {} px",
+        "{name:>10}: {:6.2} % wrong, {:6.2} % wrong color, flicker {:.3} % ({:.3} % passing, {:.3} % borders), body painted over {:.3} %, body {:.3} %, {:.2} shaded, {} px",
         all.wrong(),
         all.color(),
         all.flicker(),
         all.passing(),
+        all.borders(),
         all.painted(),
         all.bare(),
         all.shaded(),

@@ -283,7 +283,7 @@ const TRACTS: &[TractRow] = &[
     row("shoulder", &[Shoulder], "contour", 180, 0, (20., 26.), (14., 17.), (4., 3.), (0.06, 14.), (0.25, 0.6, CONTOUR), (0xC83E2E, 0xC63E2E)),
     row("shoulder_side", &[Shoulder], "contour", 60, 0, (14., 18.), (12., 16.), (1., 1.), (0.06, 8.), (0., 0.5, LESSER), (0xC63E2E, 0xC63E2E)),
     row("breast", &[Breast], "contour", 155, 15, (26., 36.), (16., 20.), (10., 6.), (0.05, 18.), (0.25, 1500., CONTOUR), (0xCC4034, 0xCC4034)),
-    row("breast_side", &[BreastSide], "contour", 70, 0, (32., 40.), (18., 22.), (6., 4.), (0.06, 16.), (0.25, 1450., CONTOUR), (0xCC4034, 0xCA3E32)),
+    row("breast_side", &[BreastSide], "contour", 70, 0, (30., 36.), (18., 22.), (4., 3.), (0.06, 6.), (0.25, 1450., CONTOUR), (0xCC4034, 0xCA3E32)),
     row("belly", &[Belly], "soft", 110, 0, (32., 46.), (20., 26.), (7., 5.), (0.05, 22.), (0.05, 660., CONTOUR), (0xC03A2E, 0xC03A2E)),
     row("flanks", &[Flank], "soft", 220, 0, (32., 46.), (18., 24.), (4., 3.), (0.05, 22.), (0.05, 640., CONTOUR), (0xC03A2E, 0xC03A2E)),
     row("side", &[Side], "contour", 163, 0, (28., 34.), (16., 20.), (2., 2.), (0.06, 12.), (0., 620., CONTOUR), (0xC63E2E, 0xC0382A)),
