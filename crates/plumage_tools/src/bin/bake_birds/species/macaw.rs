@@ -271,11 +271,11 @@ const SKIN: &[(&[Tract], u32)] = &[
 #[rustfmt::skip]
 const TRACTS: &[TractRow] = &[
     row("crown", &[Crown], "head", 420, 0, (8., 17.), (4.5, 7.), (10., 6.), (0.05, 10.), (0.1, 1800., HEAD), (0xD2422E, 0xD2422E)),
-    row("nape", &[Nape], "head", 190, 0, (16., 24.), (8., 10.), (8., 8.), (0.06, 15.), (0.1, 1700., HEAD), (0xD2422E, 0xD2422E)),
-    row("cheek", &[Cheek], "head", 540, 0, (8., 20.), (5.5, 8.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0xCE402E, 0xCE402E)),
+    row("nape", &[Nape], "head", 170, 0, (16., 24.), (8., 10.), (8., 8.), (0.06, 15.), (0.1, 1700., HEAD), (0xD2422E, 0xD2422E)),
+    row("cheek", &[Cheek], "head", 500, 0, (8., 20.), (5.5, 8.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0xCE402E, 0xCE402E)),
     row("face_lines", &[Bare], "face_line", 160, 5, (2., 4.), (1.2, 2.), (20., 20.), (0., 0.), (0.1, 1950., HEAD), (0xF1E4D8, 0xF1E4D8)),
-    row("neck_dorsal", &[NeckDorsal], "neck", 256, 0, (20., 28.), (13., 17.), (4., 3.), (0.07, 10.), (0.2, 1600., CONTOUR), (0xD24230, 0xC84032)),
-    row("neck_ventral", &[NeckVentral], "neck", 300, 0, (16., 28.), (11., 16.), (8., 7.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xCC4034, 0xCC4034)),
+    row("neck_dorsal", &[NeckDorsal], "neck", 236, 0, (20., 28.), (13., 17.), (4., 3.), (0.07, 10.), (0.2, 1600., CONTOUR), (0xD24230, 0xC84032)),
+    row("neck_ventral", &[NeckVentral], "neck", 270, 0, (16., 28.), (11., 16.), (8., 7.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xCC4034, 0xCC4034)),
     row("mantle", &[Mantle, ScapularMantle], "contour", 124, 9, (30., 44.), (18., 23.), (9., 9.), (0.06, 10.), (0.25, 1400., CONTOUR), (0xC83E2E, 0xC4402E)),
     row("back", &[Back], "contour", 70, 6, (34., 46.), (20., 25.), (9., 9.), (0.06, 8.), (0.25, 1300., CONTOUR), (0xC8402E, 0xC43E2C)),
     row("rump", &[Rump], "blue", 80, 8, (28., 42.), (18., 24.), (8., 8.), (0.08, 6.), (0.25, 320., CONTOUR), (0x5DA9DC, 0x5DA9DC)),
@@ -296,7 +296,7 @@ const TRACTS: &[TractRow] = &[
     row("lesser_under", &[LesserUnder], "lesser", 336, 7, (13., 24.), (11., 15.), (5., 5.), (0.06, 10.), (0.5, 1000., LESSER), (0xB03020, 0xB03020)),
     row("marginal_under", &[MarginalUnder], "lesser", 466, 0, (6., 13.), (5., 8.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0xB03020, 0xB03020)),
     row("femoral", &[Femoral], "leg", 230, 0, (26., 34.), (14., 19.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0xC03A2E, 0xC03A2E)),
-    row("crural", &[Crural], "leg", 522, 0, (26., 15.), (13., 9.), (7., 6.), (0.08, 18.), (0.05, 500., LESSER), (0xC0382A, 0xB02C1C)),
+    row("crural", &[Crural], "leg", 632, 0, (26., 15.), (13., 9.), (7., 6.), (0.08, 18.), (0.05, 500., LESSER), (0xC0382A, 0xB02C1C)),
 ];
 
 /// Rows.
