@@ -12,7 +12,7 @@ use bevy::math::{Vec2, Vec3, Vec4};
 const PIXEL: f32 = 0.2;
 const PIXELS: f32 = 400.0;
 /// Cosine between a face and the eye, below which it is seen edge-on.
-const STEEP: f32 = 0.06;
+const STEEP: f32 = 0.12;
 
 /// A feather at a pixel.
 #[derive(Clone, Copy)]
@@ -68,6 +68,14 @@ struct Hit {
     shares: [f32; 2],
 }
 
+/// What a picture shows.
+pub struct Picture {
+    /// Fragments that lie near the nearest of their pixel, pixel by pixel, the nearest first.
+    pub seen: Vec<Fragment>,
+    /// Fragments not far behind the body at pixels that show it; `near`: how far behind.
+    pub behind: Vec<Fragment>,
+}
+
 /// A coat that pictures are taken of.
 pub struct Drawing {
     /// How its feathers stand.
@@ -106,9 +114,8 @@ impl Drawing {
         }
     }
 
-    /// Fragments of a picture that lie near the nearest of their pixel, pixel by pixel, the nearest first. `eye`: direction to it;
-    /// `body`: triangles that hide what lies behind them.
-    pub fn fragments(&self, eye: Vec3, body: &[[Vec3; 3]]) -> Vec<Fragment> {
+    /// A picture. `eye`: direction to it; `body`: triangles that hide what lies behind them.
+    pub fn picture(&self, eye: Vec3, body: &[[Vec3; 3]]) -> Picture {
         let frame = Frame::new(eye, &self.points, self.median);
         let count = frame.wide * frame.high;
         let mut wall = vec![f32::NEG_INFINITY; count];
@@ -120,7 +127,7 @@ impl Drawing {
         }
         let mut nearest = wall.clone();
         let projected: Vec<Vec3> = self.points.iter().map(|p| frame.project(*p)).collect();
-        let mut hits = Vec::new();
+        let (mut hits, mut behind) = (Vec::new(), Vec::new());
         for (number, triangle) in self.triangles.iter().enumerate() {
             if triangle.normal.dot(eye).abs() < STEEP {
                 continue;
@@ -134,18 +141,43 @@ impl Drawing {
             let reach = self.reach(triangle.leaf);
             frame.cover(&at, |pixel, near, [u, v]| {
                 // The nearest of all is no further away than the nearest so far.
-                if near > wall[pixel] && nearest[pixel] - near < reach && triangle.has(u, v) {
-                    nearest[pixel] = nearest[pixel].max(near);
-                    hits.push(Hit {
+                if nearest[pixel] - near < reach && triangle.has(u, v) {
+                    let hit = Hit {
                         pixel: pixel as u32,
                         near,
                         triangle: number as u32,
                         shares: [u, v],
-                    });
+                    };
+                    if near > wall[pixel] {
+                        nearest[pixel] = nearest[pixel].max(near);
+                        hits.push(hit);
+                    } else {
+                        behind.push(hit);
+                    }
                 }
             });
         }
-        self.sorted(hits, eye, &nearest)
+        let shows_body = |hit: &&Hit| nearest[hit.pixel as usize] == wall[hit.pixel as usize];
+        let behind = behind.iter().filter(shows_body).map(|hit| Fragment {
+            near: wall[hit.pixel as usize] - hit.near,
+            ..self.fragment(hit, eye)
+        });
+        Picture {
+            behind: behind.collect(),
+            seen: self.sorted(hits, eye, &nearest),
+        }
+    }
+
+    fn fragment(&self, hit: &Hit, eye: Vec3) -> Fragment {
+        let triangle = &self.triangles[hit.triangle as usize];
+        Fragment {
+            pixel: hit.pixel,
+            near: hit.near,
+            leaf: triangle.leaf,
+            facing: triangle.normal.dot(eye),
+            corners: triangle.corners,
+            shares: hit.shares,
+        }
     }
 
     /// How far behind the nearest a feather is kept.
@@ -175,16 +207,7 @@ impl Drawing {
         }
         let mut fragments: Vec<Fragment> = Vec::with_capacity(hits.len());
         for number in order {
-            let hit = &hits[number as usize];
-            let triangle = &self.triangles[hit.triangle as usize];
-            let fragment = Fragment {
-                pixel: hit.pixel,
-                near: hit.near,
-                leaf: triangle.leaf,
-                facing: triangle.normal.dot(eye),
-                corners: triangle.corners,
-                shares: hit.shares,
-            };
+            let fragment = self.fragment(&hits[number as usize], eye);
             // Pixels hold few: each fragment sinks to its place.
             let mut to = fragments.len();
             fragments.push(fragment);

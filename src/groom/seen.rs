@@ -7,10 +7,10 @@
 use super::{
     carried::Carried,
     contact::{Contact, GAP, Spot, Stands, raise},
-    drawing::{Drawing, Fragment},
+    drawing::{Drawing, Fragment, Picture},
     leaf::Leaf,
 };
-use crate::maths::order::{WINDOW_MOST, order_reach};
+use crate::maths::order::{WINDOW_MOST, WINDOW_STEPS, order_reach};
 use bevy::{
     math::Vec3,
     tasks::{ComputeTaskPool, TaskPool},
@@ -40,6 +40,8 @@ const TOUCH: f32 = 0.01;
 
 /// Share in a place of a vertex below which its window is not asked for there.
 const LITTLE: f32 = 0.12;
+/// Share above which the window of a vertex leaves room for the body there.
+const MOST: f32 = 0.4;
 /// Pixels of a round or few that do not open the window of a vertex.
 const FEW: usize = 0;
 
@@ -76,14 +78,14 @@ impl Seen<'_> {
         &self,
         drawing: &Drawing,
         rounds: Range<usize>,
-        find: impl Fn(&[Fragment]) -> T + Sync,
+        find: impl Fn(&Picture) -> T + Sync,
     ) -> Vec<T> {
         let pool = ComputeTaskPool::get_or_init(TaskPool::default);
         let eyes = rounds.flat_map(|round| (0..EYES).map(move |number| eye(number, round)));
         let find = &find;
         pool.scope(|scope| {
             for eye in eyes {
-                scope.spawn(async move { find(&drawing.fragments(eye, self.body)) });
+                scope.spawn(async move { find(&drawing.picture(eye, self.body)) });
             }
         })
     }
@@ -94,7 +96,7 @@ impl Seen<'_> {
         let drawing = self.drawing(heights);
         let parts = self.pictures(&drawing, round..round + 1, |found| {
             let mut contacts = Vec::new();
-            for list in found.chunk_by(|a, b| a.pixel == b.pixel) {
+            for list in found.seen.chunk_by(|a, b| a.pixel == b.pixel) {
                 let list = &list[..list.len().min(PILE)];
                 touch(list, &drawing.stands, heights, &mut contacts);
             }
@@ -110,7 +112,7 @@ impl Seen<'_> {
         let drawing = self.drawing(heights);
         let parts = self.pictures(&drawing, round..round + 1, |found| {
             let mut marks = Vec::new();
-            for list in found.chunk_by(|a, b| a.pixel == b.pixel) {
+            for list in found.seen.chunk_by(|a, b| a.pixel == b.pixel) {
                 mark(&list[..list.len().min(PILE)], &drawing.stands, &mut marks);
             }
             marks.sort_unstable();
@@ -125,25 +127,36 @@ impl Seen<'_> {
     }
 
     /// Windows, widths of the leaf, for each vertex: of what should be seen in these rounds of pictures and is not, as far as that
-    /// takes; of what is seen and in order, enough to stay so where the coat moves a little.
+    /// takes; of what is seen and in order, enough to stay so where the coat moves a little. No wider than the room behind skin, bill and
+    /// legs, which it would paint over.
     pub fn windows(&self, heights: &[f32], rounds: Range<usize>) -> Vec<f32> {
         let drawing = self.drawing(heights);
         let parts = self.pictures(&drawing, rounds, |found| {
-            let pixels = found.chunk_by(|a, b| a.pixel == b.pixel);
+            let pixels = found.seen.chunk_by(|a, b| a.pixel == b.pixel);
             let needs = pixels.filter_map(|list| self.need(list, &drawing.stands));
-            needs.collect::<Vec<_>>()
+            let shows = found.behind.iter().filter(|own| own.facing > 0.0);
+            let rooms = shows.map(|own| (own.spot(), kept_within(self.window(own, own.near))));
+            (needs.collect::<Vec<_>>(), rooms.collect::<Vec<_>>())
         });
         let mut needs: Vec<(u32, f32)> = Vec::new();
-        for (spot, need) in parts.into_iter().flatten() {
-            let near = spot.into_iter().filter(|(_, share)| *share > LITTLE);
-            needs.extend(near.map(|(i, _)| (i, need)));
+        let mut rooms = vec![f32::INFINITY; heights.len()];
+        for (of_picture, behind) in parts {
+            for (spot, need) in of_picture {
+                let near = spot.into_iter().filter(|(_, share)| *share > LITTLE);
+                needs.extend(near.map(|(i, _)| (i, need)));
+            }
+            for (spot, room) in behind {
+                for (i, _) in spot.into_iter().filter(|(_, share)| *share > MOST) {
+                    rooms[i as usize] = rooms[i as usize].min(room);
+                }
+            }
         }
         needs.sort_unstable_by(|(i, a), (j, b)| i.cmp(j).then(b.total_cmp(a)));
         let mut windows = vec![0.0; heights.len()];
         for list in needs.chunk_by(|(i, _), (j, _)| i == j) {
             // A pixel or two are not worth it.
             if let Some((i, need)) = list.get(FEW) {
-                windows[*i as usize] = *need;
+                windows[*i as usize] = need.min(rooms[*i as usize]);
             }
         }
         windows
@@ -160,7 +173,7 @@ impl Seen<'_> {
         };
         let parts = self.pictures(&drawing, round..round + 1, |found| {
             let mut covered = Vec::new();
-            for list in found.chunk_by(|a, b| a.pixel == b.pixel) {
+            for list in found.seen.chunk_by(|a, b| a.pixel == b.pixel) {
                 for own in list.iter().filter(|own| own.facing > 0.0) {
                     let over = |other: &Fragment| {
                         let (a, b) = (stands.of(own.leaf), stands.of(other.leaf));
@@ -209,17 +222,29 @@ impl Seen<'_> {
             let touches = list[1..].iter().any(touches);
             return Some((shown.spot(), if touches { IN_TOUCH } else { IN_ORDER }));
         }
-        let block = &self.carried.blocks[wanted.leaf as usize];
-        let last = (block.rows - 1) as f32;
-        let width = self.leaves[wanted.leaf as usize].card.width;
-        let reach = wanted.spot().map(|(i, share)| {
-            let along = ((i as usize - block.first) / block.wide) as f32 / last;
-            share * order_reach(width, wanted.facing, along)
-        });
-        let unit: f32 = reach.iter().sum();
-        let need = (shown.near - wanted.near) / unit + MARGIN;
+        let need = self.window(wanted, shown.near - wanted.near) + MARGIN;
         (need <= WINDOW_MOST).then_some((wanted.spot(), need))
     }
+
+    /// The window, widths of its leaf, that brings a fragment as far towards the eye, metres.
+    fn window(&self, own: &Fragment, depth: f32) -> f32 {
+        let block = &self.carried.blocks[own.leaf as usize];
+        let last = (block.rows - 1) as f32;
+        let width = self.leaves[own.leaf as usize].card.width;
+        let reach = own.spot().map(|(i, share)| {
+            let along = ((i as usize - block.first) / block.wide) as f32 / last;
+            share * order_reach(width, own.facing, along)
+        });
+        depth / reach.iter().sum::<f32>()
+    }
+}
+
+/// The widest window that is kept and no wider than `room`, widths.
+fn kept_within(room: f32) -> f32 {
+    let steps = f32::from(WINDOW_STEPS);
+    let share = (steps * (room.max(0.0) / WINDOW_MOST).sqrt()).floor() / steps;
+    // A little less, so that it is not rounded up to the next.
+    0.999 * WINDOW_MOST * share * share
 }
 
 /// The feather that should cover the nearest one of a pixel.

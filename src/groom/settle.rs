@@ -29,9 +29,9 @@ const SEARCHES: [usize; 2] = [3, 2];
 /// Rounds of projection after each.
 const ROUNDS: usize = 25;
 /// Times that the coat is looked at from all around after that.
-const LOOKS: usize = 4;
+const LOOKS: usize = 3;
 /// Rounds of projection after each.
-const LOOK_ROUNDS: usize = 25;
+const LOOK_ROUNDS: usize = 15;
 /// Times that it is looked at for what is still out of order.
 const WINDOW_LOOKS: usize = 3;
 /// Furthest that a vertex moves, in distances from the root: down, up.
@@ -43,7 +43,7 @@ const MOST: (f32, f32) = (0.0353, 1.9);
 /// Clear height over the skin, in median widths.
 const CLEAR: f32 = 0.035;
 /// How far a vertex goes towards the mean of those around it after each round.
-const SMOOTH: f32 = 0.1;
+const SMOOTH: f32 = 0.05;
 /// Steepest rise between vertices side by side.
 const SLOPE: f32 = 0.45;
 /// Last rounds that are not smoothed.

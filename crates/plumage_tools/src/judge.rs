@@ -230,20 +230,6 @@ impl Subject {
         .collect()
     }
 
-    /// Feathers of a color in regions at least three pixels across: narrower ones are borders, whose pixels mix two colors that the
-    /// bird does not have between them, or one of its own with the backdrop's.
-    fn regions(&self, of: &dyn Fn([f32; 3]) -> bool) -> usize {
-        let has: Vec<bool> = (0..self.mask.len())
-            .map(|i| self.feathers[i] && of(self.pixels[i]))
-            .collect();
-        let centres: Vec<bool> = (0..has.len())
-            .map(|i| self.neighbors(i, 1).all(|k| has[k]))
-            .collect();
-        (0..has.len())
-            .filter(|i| has[*i] && self.neighbors(*i, 1).any(|k| centres[k]))
-            .count()
-    }
-
     /// Each bird of the picture: columns of the body that empty ones part from the rest, where they are at least a twentieth of the
     /// picture wide.
     fn birds(&self, body: &[bool]) -> Vec<std::ops::Range<usize>> {
@@ -326,7 +312,6 @@ impl Subject {
             let inside = (0..self.feathers.len()).filter(|i| self.feathers[*i]);
             100.0 * inside.filter(|i| of(self.pixels[*i])).count() as f32 / count
         };
-        let regions = |of: &dyn Fn([f32; 3]) -> bool| 100.0 * self.regions(of) as f32 / count;
         let stray = (0..body.len()).filter(|i| self.mask[*i] && !body[*i]);
         line(
             1,
@@ -394,13 +379,13 @@ impl Subject {
                 let [h, s, v] = hsv(p);
                 (25.0..75.0).contains(&h) && s > 0.3 && (0.15..0.5).contains(&v)
             };
-            line(6, "olive, % of the feathers", regions(&olive), (0.0, 0.2));
+            line(6, "olive, % of the feathers", share(&olive), (0.0, 0.2));
         }
         let mauve = |p: [f32; 3]| {
             let [h, s, v] = hsv(p);
             (270.0..345.0).contains(&h) && s > 0.25 && v > 0.15
         };
-        line(6, "mauve, % of the feathers", regions(&mauve), (0.0, 0.2));
+        line(6, "mauve, % of the feathers", share(&mauve), (0.0, 0.2));
         if view == View::Front && (macaw || eagle) {
             let wanted = if macaw {
                 [0.040, 0.039, 0.046, 0.053]

@@ -127,27 +127,6 @@ fn feet_and_bill_are_the_bird_but_not_its_feathers() {
 }
 
 #[test]
-fn a_border_is_no_region_of_its_mixed_color() {
-    let olive = |across: usize| {
-        let (mut picture, cards) = bird([205, 52, 36]);
-        for y in 40..60 {
-            for x in 30..30 + across {
-                let at = 3 * (y * WIDTH + x);
-                picture[at..at + 3].copy_from_slice(&[110, 80, 30]);
-            }
-        }
-        let lines = found(&picture, &cards, Species::Macaw, View::Front);
-        let line = lines
-            .into_iter()
-            .find(|line| line.what == "olive, % of the feathers");
-        line.map(|line| line.found)
-    };
-    assert_eq!(olive(2), Some(0.0));
-    // 60 pixels of the ellipse's 3,110.
-    assert!(olive(3).is_some_and(|share| (share - 1.93).abs() < 0.05));
-}
-
-#[test]
 fn the_breasts_of_two_birds_lie_within_each() {
     // Between two birds the middle third of a row would be their wings.
     let (single, cards) = bird([205, 52, 36]);
