@@ -49,11 +49,10 @@ pub enum Tract {
     Ruff = 30,
     /// Over the folded humerus.
     Shoulder = 31,
-    /// Leading edge of the hand, where its small coverts differ from the arm's.
-    MarginalHand = 32,
-    /// Breast next to the folded wing, whose front edge its feathers cover.
-    BreastSide = 33,
 }
+
+/// Where the breast begins before the front edge of the folded wing, mm on the macaw: feathers rooted nearer lie below the wing.
+const LAP: f32 = 11.0;
 
 /// How far from the plumage over the folded arm the skin still belongs to it, in radii of the humerus.
 const OVER_ARM: f32 = 1.1;
@@ -161,9 +160,8 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     }
     // Breast feathers lie over the wing's front edge; what the wing covers lies below it.
     if theta > 102.0 && arc > belly {
-        let before = body.before_wing(q);
-        return if before > s.lap * s.scale {
-            breast(body, before)
+        return if body.before_wing(q) > LAP * s.scale {
+            Tract::Breast
         } else {
             Tract::Side
         };
@@ -181,27 +179,13 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     }
     // What lies above the folded wing hangs down over its upper edge.
     if arc > side(body) && theta < 102.0 {
-        let before = body.before_wing(q);
-        return if before > 0.0 {
-            breast(body, before)
+        return if body.before_wing(q) > 0.0 {
+            Tract::Breast
         } else {
             Tract::Side
         };
     }
     Tract::Flank
-}
-
-/// How far the breast's side reaches before the folded wing, mm on the macaw.
-const BREAST_SIDE: f32 = 24.0;
-
-/// The breast, or its side on birds with feathers of their own there, `before` mm before the folded wing.
-fn breast(body: &Body, before: f32) -> Tract {
-    let beside = before < BREAST_SIDE * body.species.scale;
-    if beside && body.species.has(Tract::BreastSide) {
-        Tract::BreastSide
-    } else {
-        Tract::Breast
-    }
 }
 
 /// Arc at which the flank, which covers the lower edge of the folded wing, gives way to the side below it.
@@ -281,9 +265,6 @@ fn lore(body: &Body, q: Vec3) -> bool {
 /// Chord share up to which the upper marginal coverts reach round the leading edge.
 const EDGE: f32 = 0.09;
 
-/// Share of the hand that still wears the coverts of the arm's edge.
-const WRIST: f32 = 0.4;
-
 fn wing(body: &Body, q: Vec3) -> Tract {
     let c = body.wing.chord(q);
     // Marginal coverts wrap round the leading edge from below, so that no parting shows along it.
@@ -296,8 +277,7 @@ fn wing(body: &Body, q: Vec3) -> Tract {
     let on_hand = body.wing.flat(q).x > body.wing.flat(body.wing.points[2]).x;
     // The tip of the last digit carries only flight feathers: small ones would stand off it.
     let tip = body.wing.points[4];
-    let along_hand = (q - wrist).dot(tip - wrist) / (tip - wrist).length_squared();
-    if along_hand > 0.92 {
+    if (q - wrist).dot(tip - wrist) > 0.92 * (tip - wrist).length_squared() {
         return if upper {
             Tract::CovertUpper
         } else {
@@ -306,9 +286,6 @@ fn wing(body: &Body, q: Vec3) -> Tract {
     }
     if upper {
         match c {
-            c if c < 0.22 && along_hand > WRIST && body.species.has(Tract::MarginalHand) => {
-                Tract::MarginalHand
-            }
             c if c < 0.22 => Tract::MarginalUpper,
             c if c < if inner {
                 1.1
@@ -362,7 +339,7 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         Tract::Mantle | Tract::ScapularMantle | Tract::Shoulder => arc(mantle, back),
         Tract::Back => arc(back, rump),
         Tract::Rump => arc(rump, tail),
-        Tract::Breast | Tract::BreastSide => arc(mantle, belly),
+        Tract::Breast => arc(mantle, belly),
         Tract::Belly => arc(belly, vent),
         Tract::Vent => arc(vent, tail),
         Tract::Flank => arc(belly, tail),
@@ -374,7 +351,7 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         }
         Tract::Crural => parts.legs[1].1,
         Tract::Tarsal => parts.legs[2].1,
-        Tract::MarginalUpper | Tract::MarginalHand => {
+        Tract::MarginalUpper => {
             let facing = body.normal(q).dot(body.wing.normal);
             (c() * facing.signum() + EDGE) / (0.25 + EDGE)
         }

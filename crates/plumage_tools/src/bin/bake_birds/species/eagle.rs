@@ -126,7 +126,6 @@ pub fn species() -> Species {
         fine_head: true,
         swell_scale: 1.9,
         shoulder_reach: 55.,
-        lap: 11.0,
         shoulder: Some(Shoulder {
             thickness: 1.6,
             buried: 1.0,

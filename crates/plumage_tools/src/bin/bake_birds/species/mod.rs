@@ -150,8 +150,6 @@ pub struct Species {
     pub swell_scale: f32,
     /// Distance over which the skin of the shoulder changes from chest to wing, mm.
     pub shoulder_reach: f32,
-    /// Where the breast begins before the front edge of the folded wing, mm on the macaw: feathers rooted nearer lie below the wing.
-    pub lap: f32,
     /// Plumage over the folded arm.
     pub shoulder: Option<Shoulder>,
     /// Ridge above the eye.
@@ -220,11 +218,6 @@ impl Species {
             .iter()
             .find(|(n, _)| *n == name)
             .map_or(Vec3::ZERO, |(_, p)| Vec3::from_array(*p))
-    }
-
-    /// Whether feathers of its own grow on a tract.
-    pub fn has(&self, tract: Tract) -> bool {
-        self.tracts.iter().any(|row| row.on.contains(&tract))
     }
 
     /// Under-mesh color of a tract before darkening (sRGB hex): the color of the plumage above it.

@@ -126,7 +126,6 @@ pub fn species() -> Species {
         fine_head: true,
         swell_scale: 0.874,
         shoulder_reach: 26.,
-        lap: 11.0,
         shoulder: None,
         brow: None,
         bill: BILL,
