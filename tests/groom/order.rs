@@ -59,25 +59,25 @@ struct Bounds {
 const BOUNDS: [Bounds; 3] = [
     Bounds {
         name: "parrot",
-        quiet: [(1.41, 0.39), (0.32, 0.05)],
-        stretch: (3.38, [(0.86, 0.11), (0.48, 0.03)]),
+        quiet: [(1.41, 0.39), (0.28, 0.04)],
+        stretch: (3.38, [(0.86, 0.11), (0.4, 0.03)]),
     },
     Bounds {
         name: "eagle",
-        quiet: [(2.24, 0.12), (0.49, 0.05)],
-        stretch: (4.05, [(1.37, 0.04), (0.24, 0.02)]),
+        quiet: [(2.24, 0.12), (0.43, 0.04)],
+        stretch: (4.05, [(1.37, 0.04), (0.22, 0.02)]),
     },
     Bounds {
         name: "owl",
-        quiet: [(3.8, 0.27), (0.68, 0.05)],
-        stretch: (4.05, [(3.15, 0.47), (0.94, 0.21)]),
+        quiet: [(3.8, 0.27), (0.65, 0.05)],
+        stretch: (4.05, [(3.15, 0.47), (0.87, 0.2)]),
     },
 ];
 
 /// Flicker per 1/30 s while the bird is quiet, by depth alone and with the usual window.
 const FLICKER: [f32; 2] = [0.065, 0.038];
 /// Pixels of the body that the window paints over.
-const PAINTED: f32 = 0.042;
+const PAINTED: f32 = 0.023;
 /// Feathers shaded at a pixel with the usual window.
 const SHADED: f32 = 1.4;
 

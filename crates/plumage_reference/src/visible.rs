@@ -423,3 +423,45 @@ fn lab(color: [f32; 3]) -> Vec3 {
     });
     Vec3::new(116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One pixel with fragments of feathers: card, height, and place along the feather.
+    fn layers(list: &[(u32, f32, f32)]) -> Layers {
+        let fragment = |&(card, near, along): &(u32, f32, f32)| Fragment {
+            card,
+            near,
+            facing: 1.0,
+            along,
+            reach: 0.0,
+        };
+        Layers {
+            starts: vec![0, list.len() as u32],
+            list: list.iter().map(fragment).collect(),
+            behind: Vec::new(),
+            bare: 0,
+        }
+    }
+
+    #[test]
+    fn a_border_moves_in_where_another_part_of_the_feather_was() {
+        let before = layers(&[(0, 0.2, 0.5), (1, 0.1, 0.4)]);
+        // The tip of the second comes over the first.
+        let border = layers(&[(1, 0.3, 0.95), (0, 0.2, 0.5), (1, 0.1, 0.4)]);
+        assert!(before.moves_in(&border, 0, 0, 1));
+        assert!(border.moves_in(&before, 0, 1, 0));
+        // The same parts change their order: that is a fault.
+        let crossed = layers(&[(1, 0.3, 0.41), (0, 0.2, 0.5)]);
+        assert!(!before.moves_in(&crossed, 0, 0, 1));
+        for after in [&border, &crossed] {
+            let (own, its) = ([Pixel::Right(0)], [Pixel::Right(1)]);
+            assert_eq!(
+                before.flicker(&own, after, &its),
+                [0],
+                "both count as flicker"
+            );
+        }
+    }
+}
