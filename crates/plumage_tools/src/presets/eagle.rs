@@ -2,7 +2,7 @@
 
 use super::profiles::*;
 use super::template::*;
-use bevy_plumage::anatomy::{Albedo, Bars, Pattern};
+use bevy_plumage::anatomy::{Albedo, Bars, Pattern, Rim};
 
 const DOWN: u32 = 0xD8D2C8;
 /// Down at the base of the coat's feathers, shaded by those above: white would speckle it.
@@ -74,6 +74,17 @@ fn barred(count: f32, share: f32, waviness: f32, tip: f32, dark: u32) -> Albedo 
         ])
     };
     faces(pattern(0x544B44, dark), pattern(0x8F857A, 0x554A40))
+}
+
+fn rimmed(pattern: Pattern, width: f32, rgb: u32) -> Albedo {
+    both(Pattern {
+        rim: Some(Rim {
+            width,
+            color: hex(rgb),
+            tint: 0.15,
+        }),
+        ..pattern
+    })
 }
 
 /// The eagle's feathers.

@@ -6,12 +6,7 @@ use bevy_plumage::anatomy::Pattern;
 
 const DOWN: u32 = 0xCFC4BC;
 const GOLD: u32 = 0xE8A24A;
-/// Base of the red feathers and what follows it, shaded by those above: white and gold would speckle the coat.
-const BASE: u32 = 0xB8705E;
-const AMBER: u32 = 0xC6502A;
 const SCARLET: u32 = 0xC4231A;
-/// Rims of the red body feathers, by which one is told from the next.
-const CRIMSON: u32 = 0x9E1E17;
 const LIGHT_BLUE: u32 = 0x5DA9DC;
 const BLUE: u32 = 0x1F3F9C;
 const RED_GOLD: u32 = 0xA8431F;
@@ -94,7 +89,7 @@ pub(super) fn all() -> Vec<Template> {
         micro: HEAD,
         fringe: 0.22,
         gaps: gaps(3, 0.012, 0.3, 11),
-        albedo: both(body(0.3, 0xB4604A, 0xB83A22, 0xC9241B)),
+        albedo: both(body(0.45, DOWN, GOLD, 0xC9241B)),
         structural: false,
     };
     let contour = Template {
@@ -107,7 +102,7 @@ pub(super) fn all() -> Vec<Template> {
         right: ROUND,
         fringe: 0.08,
         gaps: gaps(3, 0.009, 0.4, 13),
-        albedo: rimmed(body(0.4, BASE, AMBER, SCARLET), 0.12, CRIMSON),
+        albedo: both(body(0.4, DOWN, GOLD, SCARLET)),
         ..head.clone()
     };
     let primary = Template {
@@ -131,50 +126,6 @@ pub(super) fn all() -> Vec<Template> {
         shaft: [0.6, 0.35, 0.08],
         downy: 0.45,
         ..CONTOUR
-    };
-    let lesser = Template {
-        name: "macaw_lesser",
-        length_mm: 22.0,
-        width_mm: 13.2,
-        left: BLUNT,
-        right: BLUNT,
-        micro: lesser_micro,
-        fringe: 0.03,
-        gaps: gaps(2, 0.008, 0.3, 18),
-        albedo: rimmed(body(0.36, BASE, AMBER, SCARLET), 0.12, CRIMSON),
-        ..contour.clone()
-    };
-    let greater = Template {
-        name: "macaw_greater",
-        length_mm: 68.0,
-        width_mm: 27.0,
-        left_share: 0.4,
-        bend: 0.04,
-        left: OBLONG,
-        right: OBLONG_FULL,
-        micro: Micro {
-            pitch: [0.50, 0.42],
-            angle: [28.0, 36.0],
-            ramus: 40.0,
-            barbule_angle: [42.0, 35.0],
-            shaft: [1.6, 0.7, 0.12],
-            downy: 0.25,
-            ..CONTOUR
-        },
-        fringe: 0.02,
-        gaps: gaps(2, 0.006, 0.35, 20),
-        albedo: both(Pattern {
-            mottle: 0.08,
-            ..stops(&[
-                (0.0, DOWN, 0.0),
-                (0.2, 0xCDB98A, 0.0),
-                (0.32, 0xF2BC14, 1.0),
-                (0.84, 0xF2BC14, 1.0),
-                (0.93, 0x5C9A34, 0.1),
-                (1.0, 0x2E7F6A, 0.0),
-            ])
-        }),
-        ..contour.clone()
     };
     vec![
         head.clone(),
@@ -211,7 +162,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.35,
             gaps: gaps(6, 0.012, 0.45, 15),
-            albedo: rimmed(body(0.46, BASE, AMBER, 0xB8221A), 0.12, CRIMSON),
+            albedo: both(body(0.46, DOWN, GOLD, 0xB8221A)),
             ..contour.clone()
         },
         Template {
@@ -255,37 +206,49 @@ pub(super) fn all() -> Vec<Template> {
             ..contour.clone()
         },
         Template {
-            name: "macaw_primary_covert",
-            albedo: both(Pattern {
-                mottle: 0.06,
-                ..stops(&[
-                    (0.0, 0x6A6E86, 0.0),
-                    (0.25, BLUE, 0.6),
-                    (0.4, BLUE, 1.0),
-                    (1.0, BLUE, 1.0),
-                ])
-            }),
-            structural: true,
-            ..greater.clone()
+            name: "macaw_lesser",
+            length_mm: 22.0,
+            width_mm: 13.2,
+            left: BLUNT,
+            right: BLUNT,
+            micro: lesser_micro,
+            fringe: 0.03,
+            gaps: gaps(2, 0.008, 0.3, 18),
+            albedo: both(body(0.36, DOWN, GOLD, SCARLET)),
+            ..contour.clone()
         },
-        greater,
-        // Red lesser coverts next to the yellow ones: the tip is golden, not every other feather.
         Template {
-            name: "macaw_lesser_tipped",
+            name: "macaw_greater",
+            length_mm: 68.0,
+            width_mm: 27.0,
+            left_share: 0.4,
+            bend: 0.04,
+            left: OBLONG,
+            right: OBLONG_FULL,
+            micro: Micro {
+                pitch: [0.50, 0.42],
+                angle: [28.0, 36.0],
+                ramus: 40.0,
+                barbule_angle: [42.0, 35.0],
+                shaft: [1.6, 0.7, 0.12],
+                downy: 0.25,
+                ..CONTOUR
+            },
+            fringe: 0.02,
+            gaps: gaps(2, 0.006, 0.35, 20),
             albedo: both(Pattern {
                 mottle: 0.08,
                 ..stops(&[
                     (0.0, DOWN, 0.0),
-                    (0.3, GOLD, 0.0),
-                    (0.42, SCARLET, 1.0),
-                    (0.74, SCARLET, 1.0),
-                    (0.92, 0xE07A18, 0.0),
-                    (1.0, 0xF2BC14, 0.0),
+                    (0.2, 0xCDB98A, 0.0),
+                    (0.32, 0xF2BC14, 1.0),
+                    (0.82, 0xF2BC14, 1.0),
+                    (0.93, 0x3F8A3A, 0.15),
+                    (1.0, 0x2E6F86, 0.1),
                 ])
             }),
-            ..lesser.clone()
+            ..contour.clone()
         },
-        lesser,
         primary.clone(),
         Template {
             name: "macaw_secondary",
@@ -328,7 +291,7 @@ pub(super) fn all() -> Vec<Template> {
                 Pattern {
                     mottle: 0.08,
                     ..stops(&[
-                        (0.0, 0x9A3A28, 0.0),
+                        (0.0, DOWN, 0.0),
                         (0.05, 0xB8221A, 0.3),
                         (0.45, SCARLET, 1.0),
                         (0.72, SCARLET, 1.0),
@@ -337,7 +300,7 @@ pub(super) fn all() -> Vec<Template> {
                     ])
                 },
                 stops(&[
-                    (0.0, 0x8A4A30, 0.0),
+                    (0.0, 0xB9A999, 0.0),
                     (0.08, 0x96401F, 0.0),
                     (0.6, RED_GOLD, 0.0),
                     (1.0, 0x9A421F, 0.0),
@@ -354,7 +317,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.4,
             gaps: gaps(7, 0.014, 0.45, 23),
-            albedo: both(body(0.45, BASE, AMBER, 0xB8221A)),
+            albedo: both(body(0.45, DOWN, GOLD, 0xB8221A)),
             ..contour
         },
     ]

@@ -166,7 +166,6 @@ pub fn lay(species: &Species, body: &Body, p: Vec3) -> Vec3 {
         }
         Tract::LesserUpper
         | Tract::MarginalUpper
-        | Tract::MarginalHand
         | Tract::CovertUpper
         | Tract::Elbow
         | Tract::LesserUnder
@@ -227,7 +226,7 @@ fn wing_lay(species: &Species, body: &Body, tract: Tract, p: Vec3) -> Vec3 {
         across + (remex - across) * (0.7 + 0.3 * c) + 0.3 * lag * inner
     };
     let mut d = wing.direction(azimuth.max(40.0 * reach.min(1.0)));
-    if matches!(tract, Tract::MarginalUpper | Tract::MarginalHand) {
+    if tract == Tract::MarginalUpper {
         // Round the leading edge from below.
         let n = body.normal(q);
         d = d * n.dot(wing.normal) - wing.normal * n.dot(d);
@@ -343,7 +342,7 @@ pub fn report(species: &Species, model: &Model, groom: &Groom) {
 
 /// Whether down grows below the feathers of a tract: not on the face, the wings and the feet.
 fn is_downy(name: &str) -> bool {
-    const BARE: [&str; 16] = [
+    const BARE: [&str; 15] = [
         "disc",
         "eye_rays",
         "ruff",
@@ -356,7 +355,6 @@ fn is_downy(name: &str) -> bool {
         "lesser_upper",
         "elbow",
         "marginal_upper",
-        "marginal_hand",
         "lesser_under",
         "marginal_under",
         "tarsal",

@@ -49,8 +49,6 @@ pub enum Tract {
     Ruff = 30,
     /// Over the folded humerus.
     Shoulder = 31,
-    /// Leading edge of the hand, where its small coverts differ from the arm's.
-    MarginalHand = 32,
 }
 
 /// Where the breast begins before the front edge of the folded wing, mm on the macaw: feathers rooted nearer lie below the wing.
@@ -267,9 +265,6 @@ fn lore(body: &Body, q: Vec3) -> bool {
 /// Chord share up to which the upper marginal coverts reach round the leading edge.
 const EDGE: f32 = 0.09;
 
-/// Share of the hand that still wears the coverts of the arm's edge.
-const WRIST: f32 = 0.4;
-
 fn wing(body: &Body, q: Vec3) -> Tract {
     let c = body.wing.chord(q);
     // Marginal coverts wrap round the leading edge from below, so that no parting shows along it.
@@ -282,8 +277,7 @@ fn wing(body: &Body, q: Vec3) -> Tract {
     let on_hand = body.wing.flat(q).x > body.wing.flat(body.wing.points[2]).x;
     // The tip of the last digit carries only flight feathers: small ones would stand off it.
     let tip = body.wing.points[4];
-    let along_hand = (q - wrist).dot(tip - wrist) / (tip - wrist).length_squared();
-    if along_hand > 0.92 {
+    if (q - wrist).dot(tip - wrist) > 0.92 * (tip - wrist).length_squared() {
         return if upper {
             Tract::CovertUpper
         } else {
@@ -292,9 +286,6 @@ fn wing(body: &Body, q: Vec3) -> Tract {
     }
     if upper {
         match c {
-            c if c < 0.22 && along_hand > WRIST && body.species.has(Tract::MarginalHand) => {
-                Tract::MarginalHand
-            }
             c if c < 0.22 => Tract::MarginalUpper,
             c if c < if inner {
                 1.1
@@ -360,7 +351,7 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
         }
         Tract::Crural => parts.legs[1].1,
         Tract::Tarsal => parts.legs[2].1,
-        Tract::MarginalUpper | Tract::MarginalHand => {
+        Tract::MarginalUpper => {
             let facing = body.normal(q).dot(body.wing.normal);
             (c() * facing.signum() + EDGE) / (0.25 + EDGE)
         }

@@ -147,7 +147,7 @@ pub fn species() -> Species {
         lengths: lengths(),
         tail_coverts: TAIL_COVERTS,
         skin: SKIN,
-        other_skin: 0xC83E2E,
+        other_skin: 0xC8361D,
         motion: MOTION,
     }
 }
@@ -236,7 +236,7 @@ const MOTION: Motion = Motion {
 };
 
 /// Feather templates, in the order of their numbers.
-const TEMPLATES: [&str; 15] = [
+const TEMPLATES: [&str; 13] = [
     "head",
     "face_line",
     "neck",
@@ -250,8 +250,6 @@ const TEMPLATES: [&str; 15] = [
     "secondary",
     "rectrix",
     "leg",
-    "primary_covert",
-    "lesser_tipped",
 ];
 
 /// Color of the skin below the coat.
@@ -259,40 +257,39 @@ const SKIN: &[(&[Tract], u32)] = &[
     (&[Bare, EyeRing], 0xF0E3D8),
     (&[Rump, Vent, TailUpper, TailUnder], 0x5DA9DC),
     (&[Back], 0xB83A24),
-    (&[CovertUpper], 0xB83A24),
-    (&[Elbow], 0xB08E24),
-    (&[LesserUnder, MarginalUnder, CovertUnder], 0xBC3A2C),
-    (&[Belly, Flank, Side, Femoral, Crural], 0xC0382A),
+    (&[CovertUpper, Elbow], 0xB08E24),
+    (&[LesserUnder, MarginalUnder, CovertUnder], 0xB03020),
+    (&[Belly, Flank, Side, Femoral, Crural], 0xC0301B),
 ];
 
 /// Scattered tracts.
 #[rustfmt::skip]
 const TRACTS: &[TractRow] = &[
-    row("crown", &[Crown], "head", 420, 0, (8., 17.), (4.5, 7.), (10., 6.), (0.05, 10.), (0.1, 1800., HEAD), (0xD2422E, 0xD2422E)),
-    row("nape", &[Nape], "head", 180, 0, (16., 24.), (8., 10.), (8., 8.), (0.06, 15.), (0.1, 1700., HEAD), (0xD2422E, 0xD2422E)),
-    row("cheek", &[Cheek], "head", 540, 0, (8., 20.), (5.5, 8.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0xCE402E, 0xCE402E)),
+    row("crown", &[Crown], "head", 420, 0, (8., 17.), (4.5, 7.), (10., 6.), (0.05, 10.), (0.1, 1800., HEAD), (0xD23A1E, 0xD23A1E)),
+    row("nape", &[Nape], "head", 180, 0, (16., 24.), (8., 10.), (8., 8.), (0.06, 15.), (0.1, 1700., HEAD), (0xD23A1E, 0xD23A1E)),
+    row("cheek", &[Cheek], "head", 540, 0, (8., 20.), (5.5, 8.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0xCE381C, 0xCE381C)),
     row("face_lines", &[Bare], "face_line", 160, 5, (2., 4.), (1.2, 2.), (20., 20.), (0., 0.), (0.1, 1950., HEAD), (0xF1E4D8, 0xF1E4D8)),
-    row("neck_dorsal", &[NeckDorsal], "neck", 230, 0, (20., 28.), (13., 17.), (8., 8.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xD24230, 0xC84032)),
-    row("neck_ventral", &[NeckVentral], "neck", 340, 0, (16., 28.), (11., 16.), (8., 8.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xCC4034, 0xCC4034)),
-    row("mantle", &[Mantle, ScapularMantle], "contour", 108, 8, (32., 46.), (20., 26.), (9., 9.), (0.06, 10.), (0.25, 1400., CONTOUR), (0xC83E2E, 0xC4402E)),
-    row("back", &[Back], "contour", 70, 6, (34., 46.), (20., 25.), (9., 9.), (0.06, 8.), (0.25, 1300., CONTOUR), (0xC8402E, 0xC43E2C)),
+    row("neck_dorsal", &[NeckDorsal], "neck", 230, 0, (20., 28.), (13., 17.), (8., 8.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xD23A1E, 0xC8361D)),
+    row("neck_ventral", &[NeckVentral], "neck", 340, 0, (16., 28.), (11., 16.), (8., 8.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xCC361D, 0xCC361D)),
+    row("mantle", &[Mantle, ScapularMantle], "contour", 108, 8, (32., 46.), (20., 26.), (9., 9.), (0.06, 10.), (0.25, 1400., CONTOUR), (0xC8361D, 0xC4381D)),
+    row("back", &[Back], "contour", 70, 6, (34., 46.), (20., 25.), (9., 9.), (0.06, 8.), (0.25, 1300., CONTOUR), (0xC83A1E, 0xC4361C)),
     row("rump", &[Rump], "blue", 80, 8, (28., 42.), (18., 24.), (8., 8.), (0.08, 6.), (0.25, 320., CONTOUR), (0x5DA9DC, 0x5DA9DC)),
-    row("scapulars", &[ScapularMantle], "contour", 90, 5, (48., 86.), (24., 30.), (9., 7.), (0.05, 8.), (0.25, 1200., (5, 2)), (0xC83E2E, 0xC43E2C)),
-    row("shoulder", &[Shoulder], "contour", 180, 0, (20., 26.), (14., 17.), (4., 3.), (0.06, 14.), (0.25, 0.6, CONTOUR), (0xC83E2E, 0xC63E2E)),
-    row("shoulder_side", &[Shoulder], "contour", 60, 0, (14., 18.), (12., 16.), (1., 1.), (0.06, 8.), (0., 0.5, LESSER), (0xC63E2E, 0xC63E2E)),
-    row("breast", &[Breast], "contour", 125, 12, (30., 42.), (20., 25.), (10., 6.), (0.05, 18.), (0.25, 1500., CONTOUR), (0xCC4034, 0xCC4034)),
-    row("belly", &[Belly], "soft", 90, 0, (32., 46.), (20., 26.), (7., 5.), (0.05, 22.), (0.05, 660., CONTOUR), (0xC03A2E, 0xC03A2E)),
-    row("flanks", &[Flank], "soft", 220, 0, (32., 46.), (18., 24.), (4., 3.), (0.05, 22.), (0.05, 640., CONTOUR), (0xC03A2E, 0xC03A2E)),
-    row("side", &[Side], "contour", 163, 0, (28., 34.), (16., 20.), (2., 2.), (0.06, 12.), (0., 620., CONTOUR), (0xC63E2E, 0xC0382A)),
+    row("scapulars", &[ScapularMantle], "contour", 90, 5, (48., 86.), (24., 30.), (9., 7.), (0.05, 8.), (0.25, 1200., (5, 2)), (0xC8361D, 0xC4361C)),
+    row("shoulder", &[Shoulder], "contour", 180, 0, (20., 26.), (14., 17.), (4., 3.), (0.06, 14.), (0.25, 0.6, CONTOUR), (0xC8361D, 0xC6351C)),
+    row("shoulder_side", &[Shoulder], "contour", 60, 0, (14., 18.), (12., 16.), (1., 1.), (0.06, 8.), (0., 0.5, LESSER), (0xC6341C, 0xC6341C)),
+    row("breast", &[Breast], "contour", 125, 12, (30., 42.), (20., 25.), (10., 6.), (0.05, 18.), (0.25, 1500., CONTOUR), (0xCC361D, 0xCC361D)),
+    row("belly", &[Belly], "soft", 90, 0, (32., 46.), (20., 26.), (7., 5.), (0.05, 22.), (0.05, 660., CONTOUR), (0xC0301B, 0xC0301B)),
+    row("flanks", &[Flank], "soft", 220, 0, (32., 46.), (18., 24.), (4., 3.), (0.05, 22.), (0.05, 640., CONTOUR), (0xC0301B, 0xC0301B)),
+    row("side", &[Side], "contour", 163, 0, (28., 34.), (16., 20.), (2., 2.), (0.06, 12.), (0., 620., CONTOUR), (0xC6341C, 0xC0301B)),
     row("vent", &[Vent], "blue", 46, 0, (24., 34.), (15., 20.), (5., 5.), (0.05, 10.), (0.25, 300., CONTOUR), (0x6BAFD8, 0x6BAFD8)),
-    row("filler", TRUNK, "semiplume", 200, 0, (14., 22.), (14., 18.), (2., 2.), (0., 0.), (0., 0., LESSER), (0xBA4A3C, 0xBA4A3C)),
-    row("lesser_upper", &[LesserUpper], "lesser", 320, 0, (17., 13.), (12., 12.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0xC83E2E, 0xC83E2E)),
+    row("filler", TRUNK, "semiplume", 200, 0, (14., 22.), (14., 18.), (2., 2.), (0., 0.), (0., 0., LESSER), (0xB0584C, 0xB0584C)),
+    row("lesser_upper", &[LesserUpper], "lesser", 320, 0, (17., 13.), (12., 12.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0xC8361D, 0xC8361D)),
     row("elbow", &[Elbow], "lesser", 60, 0, (15., 19.), (12., 15.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0xEDB414, 0xF2BC14)),
-    row("marginal_upper", &[MarginalUpper], "lesser", 700, 0, (8., 14.), (6., 9.), (4., 4.), (0.05, 16.), (0.3, 1100., HEAD), (0xC83E2E, 0xC83E2E)),
-    row("lesser_under", &[LesserUnder], "lesser", 340, 7, (14., 28.), (11., 16.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0xBC3A2C, 0xBC3A2C)),
-    row("marginal_under", &[MarginalUnder], "lesser", 466, 0, (6., 13.), (5., 8.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0xBC3A2C, 0xBC3A2C)),
-    row("femoral", &[Femoral], "leg", 230, 0, (26., 34.), (14., 19.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0xC03A2E, 0xC03A2E)),
-    row("crural", &[Crural], "leg", 550, 0, (26., 15.), (13., 9.), (7., 6.), (0.08, 18.), (0.05, 500., LESSER), (0xC0382A, 0xB02C1C)),
+    row("marginal_upper", &[MarginalUpper], "lesser", 700, 0, (8., 14.), (6., 9.), (4., 4.), (0.05, 16.), (0.3, 1100., HEAD), (0xC8361D, 0xC8361D)),
+    row("lesser_under", &[LesserUnder], "lesser", 340, 7, (14., 28.), (11., 16.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0xB03020, 0xB03020)),
+    row("marginal_under", &[MarginalUnder], "lesser", 466, 0, (6., 13.), (5., 8.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0xB03020, 0xB03020)),
+    row("femoral", &[Femoral], "leg", 230, 0, (26., 34.), (14., 19.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0xC0301B, 0xC0301B)),
+    row("crural", &[Crural], "leg", 550, 0, (26., 15.), (13., 9.), (7., 6.), (0.08, 18.), (0.05, 500., LESSER), (0xC0301B, 0xB02C1C)),
 ];
 
 /// Rows.
@@ -302,20 +299,20 @@ const ROWS: &[RowLook] = &[
     look("secondaries", "secondary", 9, (0., 0.), (48., 47.), (0., 0.09, 10.), (12, 4), (0x2450AE, 0x2B6795)),
     look("tertials", "secondary", 3, (0., 0.), (46., 44.), (0., 0.08, 10.), (12, 4), (0x2D6C89, 0x2E6F86)),
     look("alula", "primary", 4, (45., 85.), (14., 20.), (3., 0.06, 8.), (6, 2), (0x1F46A6, 0x1F46A6)),
-    look("primary_coverts", "primary_covert", 10, (70., 110.), (24., 20.), (1.5, 0.07, 8.), (6, 2), (0x2450AE, 0x2450AE)),
-    look("greater_coverts", "greater", 12, (98., 76.), (30., 36.), (3.0, 0.06, 10.), (6, 2), (0xF2BC14, 0xF2BC14)),
-    look("median_primary", "primary_covert", 9, (46., 34.), (24., 20.), (6., 0.06, 12.), (4, 2), (0x2A58AA, 0x2450AE)),
+    look("primary_coverts", "greater", 10, (70., 110.), (24., 20.), (1.5, 0.07, 8.), (6, 2), (0x2450AE, 0x2450AE)),
+    look("greater_coverts", "greater", 12, (98., 76.), (30., 36.), (5., 0.06, 10.), (6, 2), (0xF2BC14, 0xF2BC14)),
+    look("median_primary", "greater", 9, (46., 34.), (24., 20.), (6., 0.06, 12.), (4, 2), (0x2A58AA, 0x2450AE)),
     look("median_secondary", "greater", 12, (62., 48.), (24., 30.), (6., 0.06, 12.), (4, 2), (0xF5C21A, 0xF5C21A)),
-    look("lesser_1", "lesser_tipped", 14, (34., 42.), (20., 26.), (4., 0.05, 12.), (4, 2), (0xC83E2E, 0xC83E2E)),
-    look("lesser_2", "lesser", 14, (30., 40.), (18., 25.), (4., 0.05, 12.), (4, 2), (0xC83E2E, 0xC83E2E)),
-    look("lesser_3", "lesser", 14, (27., 38.), (17., 24.), (4., 0.05, 12.), (4, 2), (0xC83E2E, 0xC83E2E)),
-    look("lesser_4", "lesser", 14, (24., 36.), (16., 23.), (4., 0.05, 12.), (4, 2), (0xC83E2E, 0xC83E2E)),
-    look("lesser_5", "lesser", 14, (21., 34.), (15., 22.), (4., 0.05, 12.), (4, 2), (0xC83E2E, 0xC83E2E)),
-    look("under_primary", "greater", 10, (70., 95.), (28., 20.), (3., 0.06, 6.), (5, 2), (0xBE3E2E, 0xBE3E2E)),
-    look("under_secondary", "greater", 12, (80., 55.), (24., 28.), (3., 0.06, 6.), (5, 2), (0xBE3E2E, 0xBE3E2E)),
-    look("under_median_primary", "lesser", 10, (40., 28.), (20., 16.), (4., 0.06, 8.), (3, 2), (0xBA3A2C, 0xBA3A2C)),
-    look("under_median_secondary", "lesser", 12, (45., 32.), (20., 22.), (4., 0.06, 8.), (3, 2), (0xBA3A2C, 0xBA3A2C)),
-    look("axillaries", "soft", 9, (50., 80.), (20., 26.), (5., 0.05, 5.), (4, 2), (0xBC3A2C, 0xBC3A2C)),
+    look("lesser_1", "lesser", 14, (34., 42.), (20., 26.), (4., 0.05, 12.), (4, 2), (0xC8361D, 0xC8361D)),
+    look("lesser_2", "lesser", 14, (30., 40.), (18., 25.), (4., 0.05, 12.), (4, 2), (0xC8361D, 0xC8361D)),
+    look("lesser_3", "lesser", 14, (27., 38.), (17., 24.), (4., 0.05, 12.), (4, 2), (0xC8361D, 0xC8361D)),
+    look("lesser_4", "lesser", 14, (24., 36.), (16., 23.), (4., 0.05, 12.), (4, 2), (0xC8361D, 0xC8361D)),
+    look("lesser_5", "lesser", 14, (21., 34.), (15., 22.), (4., 0.05, 12.), (4, 2), (0xC8361D, 0xC8361D)),
+    look("under_primary", "greater", 10, (70., 95.), (28., 20.), (3., 0.06, 6.), (5, 2), (0xB0482A, 0xB0482A)),
+    look("under_secondary", "greater", 12, (80., 55.), (24., 28.), (3., 0.06, 6.), (5, 2), (0xB0482A, 0xB0482A)),
+    look("under_median_primary", "lesser", 10, (40., 28.), (20., 16.), (4., 0.06, 8.), (3, 2), (0xA8381F, 0xA8381F)),
+    look("under_median_secondary", "lesser", 12, (45., 32.), (20., 22.), (4., 0.06, 8.), (3, 2), (0xA8381F, 0xA8381F)),
+    look("axillaries", "soft", 9, (50., 80.), (20., 26.), (5., 0.05, 5.), (4, 2), (0xB03020, 0xB03020)),
     look("rectrices", "rectrix", 6, (0., 0.), (34., 30.), (0., 0.12, 4.), (18, 4), (0xB42A1C, 0xB0301E)),
 ];
 

@@ -220,11 +220,6 @@ impl Species {
             .map_or(Vec3::ZERO, |(_, p)| Vec3::from_array(*p))
     }
 
-    /// Whether feathers of its own grow on a tract.
-    pub fn has(&self, tract: Tract) -> bool {
-        self.tracts.iter().any(|row| row.on.contains(&tract))
-    }
-
     /// Under-mesh color of a tract before darkening (sRGB hex): the color of the plumage above it.
     pub fn skin_color(&self, tract: Tract) -> u32 {
         self.skin
