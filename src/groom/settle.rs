@@ -39,7 +39,7 @@ const RANGE: (f32, f32) = (-0.5, 0.6);
 /// What is added to both at the root and elsewhere, in median widths.
 const FREE: f32 = 0.5;
 /// Furthest that any vertex moves: over the root of the skin's area (parrot 14 mm, eagle 25 mm), and in median widths.
-const MOST: (f32, f32) = (0.0355, 1.9);
+const MOST: (f32, f32) = (0.0353, 1.9);
 /// Clear height over the skin, in median widths.
 const CLEAR: f32 = 0.035;
 /// How far a vertex goes towards the mean of those around it after each round.

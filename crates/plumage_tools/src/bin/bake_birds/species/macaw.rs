@@ -300,7 +300,7 @@ const ROWS: &[RowLook] = &[
     look("tertials", "secondary", 3, (0., 0.), (46., 44.), (0., 0.08, 10.), (12, 4), (0x2D6C89, 0x2E6F86)),
     look("alula", "primary", 4, (45., 85.), (14., 20.), (3., 0.06, 8.), (6, 2), (0x1F46A6, 0x1F46A6)),
     look("primary_coverts", "greater", 10, (70., 110.), (24., 20.), (1.5, 0.07, 8.), (6, 2), (0x2450AE, 0x2450AE)),
-    look("greater_coverts", "greater", 12, (98., 76.), (30., 36.), (5., 0.06, 10.), (6, 2), (0xF2BC14, 0xF2BC14)),
+    look("greater_coverts", "greater", 12, (98., 76.), (30., 36.), (3.5, 0.06, 10.), (6, 2), (0xF2BC14, 0xF2BC14)),
     look("median_primary", "greater", 9, (46., 34.), (24., 20.), (6., 0.06, 12.), (4, 2), (0x2A58AA, 0x2450AE)),
     look("median_secondary", "greater", 12, (62., 48.), (24., 30.), (6., 0.06, 12.), (4, 2), (0xF5C21A, 0xF5C21A)),
     look("lesser_1", "lesser", 14, (34., 42.), (20., 26.), (4., 0.05, 12.), (4, 2), (0xC8361D, 0xC8361D)),
