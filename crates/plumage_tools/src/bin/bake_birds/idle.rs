@@ -75,7 +75,7 @@ pub fn pose(species: &Species, skeleton: &Skeleton, t: f32) -> Pose {
     let motion = &species.motion;
     let mut p = skeleton.bind();
     let end = motion.seconds;
-    let cycle = (t / end * 2.0).rem_euclid(1.0);
+    let cycle = (t / end * motion.breaths).rem_euclid(1.0);
     // Inhaling takes 40 % of a breath.
     let breath = if cycle < 0.4 {
         0.5 - 0.5 * (std::f32::consts::PI * cycle / 0.4).cos()

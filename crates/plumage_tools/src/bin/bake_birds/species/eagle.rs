@@ -203,6 +203,7 @@ const MOTION: Motion = Motion {
     seconds: 6.0,
     stretched: 4.0,
     half_way: 4.5,
+    breaths: 1.0,
     swell: 0.018,
     bob: 1.0,
     counter: 1.0,

@@ -189,6 +189,7 @@ const MOTION: Motion = Motion {
     seconds: 5.0,
     stretched: 3.3,
     half_way: 2.73,
+    breaths: 2.0,
     swell: 0.025,
     bob: 1.5,
     counter: 2.0,

@@ -12,6 +12,8 @@ pub struct Motion {
     pub stretched: f32,
     /// When it is half-way there, seconds.
     pub half_way: f32,
+    /// Breaths in the clip. At rest 17.2 a minute over (mass in kg)^0.31 (Calder 1968).
+    pub breaths: f32,
     /// Growth of the chest in a breath, as a share.
     pub swell: f32,
     /// Rise of the hips in a breath, mm.

@@ -174,6 +174,7 @@ const MOTION: Motion = Motion {
     seconds: 6.0,
     stretched: 4.0,
     half_way: 4.5,
+    breaths: 2.0,
     swell: 0.022,
     bob: 0.8,
     counter: 1.0,
