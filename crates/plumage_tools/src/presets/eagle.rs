@@ -9,10 +9,12 @@ const DOWN: u32 = 0xD8D2C8;
 const BASE: u32 = 0x8C8378;
 const DARK: u32 = 0x33271F;
 const BROWN: u32 = 0x4A3524;
-/// Brown of the whole bird: hardly a color, as photographs show it.
-const BODY: u32 = 0x473D34;
-/// Pale rim of the body's feathers, by which each shows from afar.
+/// Pale rim of scapulars.
 const RIM: u32 = 0x826F5C;
+/// Pale sides of the body's feathers, between which the dark middle is a streak.
+const SIDES: u32 = 0x9C7F64;
+/// That streak.
+const STREAK: u32 = 0x221B16;
 
 const HEAD: Micro = Micro {
     pitch: [0.35; 2],
@@ -84,6 +86,27 @@ fn rimmed(pattern: Pattern, width: f32, rgb: u32) -> Albedo {
             tint: 0.15,
         }),
         ..pattern
+    })
+}
+
+/// A dark streak along the shaft that runs out into pale sides, down below: what streaks breast and belly of photographs. `downy`: share
+/// of the length that is down.
+fn streaked(downy: f32) -> Albedo {
+    let downy = downy * DOWN_SHOWN;
+    both(Pattern {
+        rim: Some(Rim {
+            width: 0.32,
+            color: hex(SIDES),
+            tint: 0.15,
+        }),
+        mottle: 0.12,
+        ..stops(&[
+            (0.0, BASE, 0.0),
+            (downy - 0.1, BASE, 0.0),
+            (downy, 0x38302A, 0.0),
+            (0.8, STREAK, 0.4),
+            (1.0, 0x2B221B, 0.3),
+        ])
     })
 }
 
@@ -193,8 +216,8 @@ pub(super) fn all() -> Vec<Template> {
             albedo: both(Pattern {
                 mottle: 0.12,
                 ..stops(&[
-                    (0.0, DOWN, 0.0),
-                    (0.25, DOWN, 0.0),
+                    (0.0, BASE, 0.0),
+                    (0.25, BASE, 0.0),
                     (0.4, 0x46392E, 0.0),
                     (0.55, 0x46392E, 0.3),
                     (0.75, 0xC49F6E, 1.0),
@@ -204,14 +227,14 @@ pub(super) fn all() -> Vec<Template> {
             ..contour.clone()
         },
         contour.clone(),
-        // What covers the body runs together in streaks: only scapulars and coverts have pale rims.
+        // What covers the body runs together in streaks: only scapulars and coverts have narrow rims.
         Template {
             name: "eagle_body",
             left: super::profiles::SOFT,
             right: super::profiles::SOFT,
             fringe: 0.26,
             gaps: gaps(6, 0.010, 0.5, 43),
-            albedo: rimmed(body(0.46, BASE, 0x38302A, BODY), 0.1, RIM),
+            albedo: streaked(0.46),
             ..contour.clone()
         },
         Template {
@@ -222,7 +245,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.34,
             gaps: gaps(7, 0.010, 0.45, 34),
-            albedo: rimmed(body(0.58, BASE, 0x463B32, BODY), 0.1, RIM),
+            albedo: streaked(0.58),
             ..contour.clone()
         },
         Template {
@@ -265,7 +288,7 @@ pub(super) fn all() -> Vec<Template> {
             },
             fringe: 0.04,
             gaps: gaps(3, 0.007, 0.35, 36),
-            albedo: rimmed(body(0.42, BASE, 0x38302A, 0x56493F), 0.08, 0x746555),
+            albedo: rimmed(body(0.42, BASE, 0x302822, 0x4C3F35), 0.16, 0x8C7862),
             ..contour.clone()
         },
         Template {
@@ -341,7 +364,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.5,
             gaps: gaps(8, 0.010, 0.5, 41),
-            albedo: rimmed(body(0.55, BASE, 0x625346, 0x665443), 0.1, RIM),
+            albedo: streaked(0.55),
             ..contour.clone()
         },
         Template {

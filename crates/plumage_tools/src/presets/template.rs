@@ -7,7 +7,7 @@ use bevy_plumage::maths::scattering::{Fibre, FibreKind, Optics, Sheen};
 
 /// Share of the measured down that a body feather keeps. Cards lie less regularly than follicles do, so that more of each base
 /// shows than on a bird, and pale bases would speckle the coat.
-const DOWN_SHOWN: f32 = 0.5;
+pub(super) const DOWN_SHOWN: f32 = 0.5;
 
 /// Half width of one vane along the feather: control points (height, share of the half width) joined by straight lines with
 /// rounded knees, closed above `tip` by `(1 - h^p)^(1/q)`, h from 0 at `tip` to 1 at the end.
