@@ -10,7 +10,7 @@ use bevy_plumage::prelude::*;
 use helper::{
     Args,
     args::Scene,
-    camera::{Shots, shot},
+    camera::{HeadShot, Shots, shot},
     scene,
 };
 
@@ -23,11 +23,14 @@ const SHOTS: Shots = Shots {
     far: shot([0.0, 0.05, -0.05], [3.9, 1.1, 5.2], 27.0),
 };
 
+const HEAD: HeadShot = HeadShot(shot([0.16, 0.21, 0.045], [0.98, 0.34, 1.10], 12.0));
+
 fn main() -> AppExit {
     helper::run("parrot", |app| {
         let path = app.world().resource::<Args>().path;
         app.add_plugins(PlumagePlugins.set(FeatherRenderPlugin { path }))
             .insert_resource(SHOTS)
+            .insert_resource(HEAD)
             .add_systems(Startup, setup);
     })
 }
