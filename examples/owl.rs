@@ -22,7 +22,7 @@ const SHOTS: Shots = Shots {
     far: shot([0.0, 0.12, 0.0], [2.0, 0.6, 2.6], 24.0),
 };
 
-const HEAD: HeadShot = HeadShot(shot([0.0, 0.225, 0.02], [0.34, 0.26, 0.95], 12.5));
+const HEAD: HeadShot = HeadShot(shot([0.0, 0.237, 0.02], [0.34, 0.27, 0.95], 10.0));
 
 fn main() -> AppExit {
     helper::run("owl", |app| {

@@ -281,13 +281,13 @@ impl Setting {
             fill: [1500.0, 1500.0],
             backdrop: Some(Backdrop {
                 colors: [
-                    Vec3::new(0.007, 0.008, 0.011),
-                    Vec3::new(0.026, 0.026, 0.030),
-                    Vec3::new(0.085, 0.066, 0.050),
+                    Vec3::new(0.014, 0.016, 0.020),
+                    Vec3::new(0.060, 0.074, 0.108),
+                    Vec3::new(0.150, 0.118, 0.100),
                 ],
-                discs: (140, 0.20),
+                discs: (60, 0.12),
                 gaps: false,
-                ridges: 0,
+                ridges: 3,
             }),
             ev100: 11.2,
             tone: Tonemapping::KhronosPbrNeutral,

@@ -4,6 +4,9 @@ use super::{branch::axis, foliage::Growth, noise::Dice};
 use bevy::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
 
+/// Where leaves turn their upper sides.
+const SUNWARD: Vec3 = Vec3::new(0.35, 0.75, 0.8);
+
 /// What grows around the perch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Surroundings {
@@ -92,7 +95,7 @@ pub fn grow(what: Surroundings, radius: f32, length: f32) -> Grown {
                 _ => 0,
             };
             let green = match what {
-                Surroundings::Leaves => Vec3::new(0.055, 0.125, 0.022),
+                Surroundings::Leaves => Vec3::new(0.070, 0.150, 0.026),
                 _ => Vec3::new(0.17, 0.095, 0.035),
             };
             for k in 0..leaves {
@@ -136,12 +139,12 @@ fn leaf(
     let turn = PI * number as f32 + FRAC_PI_2 * (dice.roll() - 0.5);
     let side = Quat::from_axis_angle(twig, turn) * twig.any_orthonormal_vector();
     let forward = (0.6 * twig + side - 0.45 * Vec3::Y).normalize_or(Vec3::NEG_Y);
-    let up = (Vec3::Y + 0.5 * Vec3::Z - forward * forward.dot(Vec3::Y + 0.5 * Vec3::Z))
-        .normalize_or(Vec3::Z);
+    // Turned to the light, and so to who looks from there.
+    let up = SUNWARD.reject_from(forward).normalize_or(Vec3::Z);
     let turned = Quat::from_mat3(&Mat3::from_cols(forward, up, forward.cross(up)));
     let place = Transform::from_translation(foot).with_rotation(turned);
     let tone = green * (0.75 + 0.6 * dice.roll());
-    thin.leaf(place, size * (0.075 + 0.045 * dice.roll()), tone, dice);
+    thin.leaf(place, size * (0.095 + 0.055 * dice.roll()), tone, dice);
 }
 
 /// Rock under the left end, with dry grass on it.
