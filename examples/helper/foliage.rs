@@ -96,8 +96,9 @@ impl Growth {
         self.sheet([rings, SIDES + 1], |t, u| {
             let centre = along(joints, t);
             let ahead = along(joints, (t + 0.01).min(1.0)) - along(joints, (t - 0.01).max(0.0));
+            let ahead = ahead.normalize_or(Vec3::X);
             let side = ahead.any_orthonormal_vector();
-            let up = ahead.normalize_or(Vec3::X).cross(side);
+            let up = ahead.cross(side);
             let turn = Vec2::from_angle(TAU * u);
             let around = side * turn.x + up * turn.y;
             let rough = fractal(centre * 260.0 + around * 2.0, 3);
@@ -138,9 +139,9 @@ impl Growth {
         }
     }
 
-    /// A boulder; metres.
+    /// A crag; metres.
     pub fn rock(&mut self, middle: Vec3, size: Vec3) {
-        self.sheet([150, 221], |t, u| {
+        self.sheet([220, 321], |t, u| {
             let (polar, around) = (PI * t, TAU * u);
             let n = Vec3::new(
                 polar.sin() * around.cos(),
@@ -151,18 +152,19 @@ impl Growth {
             // Beds, cracked across them.
             let bed = (9.0 * n.y + 2.2 * slow).fract();
             let ledge = (bed / 0.8).min((1.0 - bed) / 0.2);
-            let crack = (1.0 - (6.0 * fractal(n * 3.1 + Vec3::splat(8.0), 4)).abs()).max(0.0);
-            let fine = fractal(n * 22.0, 4);
-            let r = 1.0 + 0.34 * slow + 0.05 * ledge - 0.07 * crack + 0.025 * fine;
-            let mut color = Vec3::new(0.20, 0.175, 0.15) * (1.0 + 0.6 * fine + 0.35 * slow);
+            let crack = (1.0 - (16.0 * fractal(n * 3.1 + Vec3::splat(8.0), 3)).abs()).max(0.0);
+            let fine = fractal(n * 24.0, 2);
+            let r = 1.0 + 0.34 * slow + 0.035 * ledge - 0.035 * crack + 0.010 * fine;
+            let grain = fractal(n * 90.0, 3);
+            let mut color = Vec3::new(0.22, 0.195, 0.17) * (1.0 + 0.5 * grain + 0.5 * slow);
             color *= (0.75 + 0.25 * ledge) * (1.0 - 0.6 * crack);
-            let lichen = ((fractal(n * 6.5 + Vec3::splat(31.0), 4) - 0.13) / 0.05).clamp(0.0, 1.0);
+            let lichen = ((fractal(n * 5.0 + Vec3::splat(31.0), 5) - 0.20) / 0.06).clamp(0.0, 1.0);
             let hue = if slow > 0.05 {
                 Vec3::new(0.42, 0.27, 0.07)
             } else {
                 Vec3::new(0.34, 0.35, 0.30)
             };
-            color = color.lerp(hue * (1.0 + 0.5 * fine), 0.7 * lichen);
+            color = color.lerp(hue * (0.8 + 0.6 * grain), 0.55 * lichen);
             (middle + n * r * size, color)
         });
     }

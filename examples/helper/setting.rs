@@ -112,8 +112,8 @@ const fn straw(foot: f32, tip: [f32; 2], bend: f32) -> Blade {
     Blade {
         ends: [Vec2::new(foot, -0.62), Vec2::from_array(tip)],
         bend_width: Vec2::new(bend, 0.009),
-        blur: 0.018,
-        colors: [Vec3::new(0.11, 0.10, 0.045), Vec3::new(0.30, 0.24, 0.12)],
+        blur: 0.026,
+        colors: [Vec3::new(0.08, 0.075, 0.035), Vec3::new(0.21, 0.17, 0.09)],
     }
 }
 
@@ -246,8 +246,8 @@ impl Setting {
             backdrop: Some(Backdrop {
                 colors: [
                     Vec3::new(0.052, 0.058, 0.046),
-                    Vec3::new(0.235, 0.285, 0.340),
-                    Vec3::new(0.400, 0.385, 0.355),
+                    Vec3::new(0.205, 0.275, 0.360),
+                    Vec3::new(0.430, 0.385, 0.325),
                 ],
                 discs: (0, 0.0),
                 gaps: false,

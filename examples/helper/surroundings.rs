@@ -149,13 +149,13 @@ fn leaf(
 
 /// Rock under the left end, with dry grass on it.
 fn ledge(solid: &mut Growth, thin: &mut Growth, dice: &mut Dice) {
-    let (middle, size) = (Vec3::new(-0.86, -0.27, -0.05), Vec3::new(0.36, 0.25, 0.32));
+    let (middle, size) = (Vec3::new(-0.90, -0.86, -0.06), Vec3::new(0.38, 0.84, 0.36));
     solid.rock(middle, size);
     let straw = [Vec3::new(0.16, 0.14, 0.05), Vec3::new(0.36, 0.28, 0.13)];
-    for _ in 0..9 {
+    for _ in 0..14 {
         let (x, z) = (0.5 * dice.roll() - 0.1, dice.roll() - 0.5);
         let up = (1.0 - x * x - z * z).max(0.0).sqrt();
-        let foot = middle + size * Vec3::new(x, up - 0.12, z);
+        let foot = middle + size * Vec3::new(x, up - 0.05, z);
         let tall = 0.10 + 0.10 * dice.roll();
         thin.tuft(foot, [34.0, 0.6], [tall, 0.0011], straw, dice);
     }

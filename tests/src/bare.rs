@@ -347,7 +347,6 @@ pub fn count(
                 ..OrthographicProjection::default_3d()
             }),
         ));
-        stage.frame();
         let image = stage.still();
         let (width, height) = stage.size;
         let pixel = |i: u32| {

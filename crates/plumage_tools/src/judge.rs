@@ -465,3 +465,67 @@ fn gaussian(values: &[f32], mask: &[bool], width: usize, sigma: f32) -> Vec<f32>
         .map(|(sum, weight)| sum / weight.max(1.0e-6))
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A disc with stripes of a period in pixels before a darker ground, and its mask: feathers, the lowest fifth bare.
+    fn striped(side: usize, period: f32, scale: f32) -> Subject {
+        let (mut picture, mut mask) = (Vec::new(), Vec::new());
+        for i in 0..side * side {
+            let (x, y) = ((i % side) as f32, (i / side) as f32);
+            let middle = 0.5 * side as f32;
+            let inside = (x - middle).hypot(y - middle) < 0.4 * side as f32;
+            let red = 160.0 + 40.0 * (std::f32::consts::TAU * x / period).sin();
+            picture.extend(if inside {
+                [red as u8, 30, 20]
+            } else {
+                [40, 40, 40]
+            });
+            mask.extend(match (inside, y > 0.8 * side as f32) {
+                (true, false) => [90, 200, 0],
+                (true, true) => [0, 0, 255],
+                _ => [0, 0, 0],
+            });
+        }
+        Subject::new(&picture, &mask, side, scale)
+    }
+
+    #[test]
+    fn contrast_is_that_of_the_bird_whatever_the_size_of_the_picture() {
+        let inner = |side: usize| -> Vec<usize> {
+            (0..side * side)
+                .filter(|i| {
+                    let off = |at: usize| (at as f32 / side as f32 - 0.5).abs() < 0.15;
+                    off(i % side) && off(i / side)
+                })
+                .collect()
+        };
+        let small = striped(120, 6.0, 0.9).octaves(&inner(120));
+        let large = striped(240, 12.0, 0.45).octaves(&inner(240));
+        for (a, b) in small.into_iter().zip(large) {
+            assert!((a - b).abs() < 0.01 + 0.05 * b, "{small:?} {large:?}");
+        }
+        assert!(small[1] > 3.0 * small[3], "{small:?}");
+    }
+
+    #[test]
+    fn a_mask_parts_feathers_bare_parts_and_what_is_around() {
+        let subject = striped(120, 6.0, 0.9);
+        let bird = subject.mask.iter().filter(|m| **m).count();
+        let feathers = subject.feathers.iter().filter(|m| **m).count();
+        assert!(
+            feathers < bird && feathers * 10 > bird * 8,
+            "{feathers} {bird}"
+        );
+        let lines = subject.judge(Species::Owl, View::Head);
+        let found = |number| {
+            let line = lines.iter().find(|line| line.number == number);
+            line.map_or(f32::NAN, |line| line.found)
+        };
+        assert_eq!(found(1), 0.0);
+        // Luminance 0.1 against 0.02.
+        assert!((1.0..3.0).contains(&found(12)), "{}", found(12));
+    }
+}
