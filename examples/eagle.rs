@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use bevy_plumage::prelude::*;
 use helper::{
     Args,
-    camera::{Shots, shot},
+    camera::{HeadShot, Shots, shot},
     scene,
 };
 
@@ -22,11 +22,14 @@ const SHOTS: Shots = Shots {
     far: shot([0.0, 0.2, 0.0], [3.9, 1.1, 5.2], 24.0),
 };
 
+const HEAD: HeadShot = HeadShot(shot([0.0, 0.455, 0.03], [0.95, 0.52, 1.05], 12.0));
+
 fn main() -> AppExit {
     helper::run("eagle", |app| {
         let path = app.world().resource::<Args>().path;
         app.add_plugins(PlumagePlugins.set(FeatherRenderPlugin { path }))
             .insert_resource(SHOTS)
+            .insert_resource(HEAD)
             .add_systems(Startup, setup);
     })
 }

@@ -10,25 +10,50 @@ show() { # example, picture, arguments...
     echo "gallery: $picture"
     ${CARGO:-cargo} run -q --features inspector,photo --example "$example" -- --headless --frames 1 --output "$out/$picture.png" --stats "$out/stats/$picture.json" "$@" >/dev/null
 }
-# Whole birds without noise: frames averaged for each picture; more on a machine with a GPU.
-samples=${SAMPLES:-16}
-show parrot parrot --size 800x600 --accumulate "$samples"
+# Whole birds and heads, 1600 x 1200, without noise: frames averaged for each picture; more on a machine with a GPU. One run takes all
+# pictures of a bird, with a mask for each; docs keeps copies of half the size.
+samples=${SAMPLES:-8}
+size=${SIZE:-1600x1200}
+large=${GALLERY:-target/gallery}
+birds=${BIRDS:-parrot eagle owl}
+mkdir -p "$large"
+table=$out/judged.md
+cat >"$table" <<'TEXT'
+# The birds, judged against photographs
+
+`make gallery` measures its pictures of whole birds (1600 x 1200, in `target/gallery`) and writes this page. Line numbers are those of a
+list of what a photograph of a bird shows: 1 outline, 2 specks, 3 wing, 4 back, 5 proportions, 6 colors, 7 contrast by scale, 8 haze,
+9 clipping, 12 what is around the bird. Bounds are from photographs of a golden eagle, a scarlet and a green-winged macaw
+(`crates/plumage_tools/src/judge.rs`); of a barn owl none was measured. Colors and contrast are those of feathers, outline and width
+those of the whole bird, scales those of the bird whatever the size of the picture; of two birds the slimmer one is measured from behind.
+
+| picture | line | what | found | wanted | |
+|---|---|---|---|---|---|
+TEXT
+judge() { # bird, view, picture
+    ${CARGO:-cargo} run -q -p plumage_tools --bin picture_judge -- "$1" "$2" "$large/$3.png" "$large/masks/$3.png" >>"$table" || true
+}
+for bird in $birds; do
+    echo "gallery: $bird from four sides"
+    ${CARGO:-cargo} run -q --features inspector,photo --example "$bird" -- --headless --size "$size" --accumulate "$samples" \
+        --shot "hero=$large/$bird.png" --shot "full=$large/${bird}_full.png" --shot "back=$large/${bird}_back.png" \
+        --shot "head=$large/${bird}_head.png" --masks "$large/masks" --stats "$out/stats" >/dev/null
+    for picture in "$bird" "${bird}_full" "${bird}_back" "${bird}_head"; do
+        convert "$large/$picture.png" -colorspace RGB -filter Box -resize 50% -colorspace sRGB "$out/$picture.png"
+    done
+    judge "$bird" front "$bird"
+    judge "$bird" side "${bird}_full"
+    judge "$bird" back "${bird}_back"
+    judge "$bird" head "${bird}_head"
+done
 show parrot parrot_stretch --size 640x480 --time 2.9
-show parrot parrot_back --size 640x480 --camera back --accumulate "$samples"
-show parrot parrot_full --size 640x480 --camera full --accumulate "$samples"
 show parrot parrot_closeup --size 640x480 --camera closeup --time 0
 show parrot parrot_macro --size 640x480 --camera macro --time 0
 show parrot parrot_far --size 640x480 --camera far --time 0
 show parrot parrot_cards --size 640x480 --time 0 --view card
 show inspector inspector --size 1280x720 --time 1 --density 0.2
-show eagle eagle --size 800x600 --accumulate "$samples"
-show eagle eagle_full --size 640x480 --camera full --accumulate "$samples"
-show eagle eagle_back --size 640x480 --camera back --accumulate "$samples"
 show eagle eagle_closeup --size 640x480 --camera closeup --time 0
 show eagle eagle_stretch --size 640x480 --time 3.9
-show owl owl --size 800x600 --accumulate "$samples"
-show owl owl_full --size 640x480 --camera full --accumulate "$samples"
-show owl owl_back --size 640x480 --camera back --accumulate "$samples"
 show owl owl_closeup --size 640x480 --camera closeup --accumulate "$samples"
 show single_feather feather --size 480x640
 show single_feather feather_back --size 480x640 --camera back
@@ -102,30 +127,5 @@ rm "$out"/iridescent_*_*.png "$out"/stats/iridescent_*.json
 echo "gallery: curves, and the same feather as the plugin draws it"
 ${CARGO:-cargo} run -q -p plumage_tools --bin explicit_curves -- "$out"
 echo "gallery: the birds, judged against photographs"
-cards=$(mktemp -d)
-table=$out/judged.md
-cat >"$table" <<'TEXT'
-# The birds, judged against photographs
-
-`make gallery` measures its pictures of whole birds and writes this page. Line numbers are those of a list of what a photograph of a
-bird shows: 1 outline, 2 specks, 3 wing, 4 back, 5 proportions, 6 colors, 7 contrast by scale, 8 haze, 9 clipping. Bounds are from photographs of a golden
-eagle, a scarlet and a green-winged macaw (`crates/plumage_tools/src/judge.rs`); of a barn owl none was measured. Colors and contrast
-are those of feathers, outline and width those of the whole bird; of two birds the slimmer one is measured from behind.
-
-| picture | line | what | found | wanted | |
-|---|---|---|---|---|---|
-TEXT
-judge() { # bird, view, picture, arguments...
-    local bird=$1 view=$2 picture=$3
-    shift 3
-    ${CARGO:-cargo} run -q --features inspector,photo --example "$bird" -- --headless --output "$cards/$picture.png" --view card --accumulate "$samples" "$@" >/dev/null
-    ${CARGO:-cargo} run -q -p plumage_tools --bin picture_judge -- "$bird" "$view" "$out/$picture.png" "$cards/$picture.png" >>"$table" || true
-}
-for bird in parrot eagle owl; do
-    judge "$bird" front "$bird" --size 800x600
-    judge "$bird" side "${bird}_full" --size 640x480 --camera full
-    judge "$bird" back "${bird}_back" --size 640x480 --camera back
-done
 cat "$table"
-rm -r "$cards"
 echo "gallery: all pictures are in $out/"

@@ -22,6 +22,8 @@ pub enum Shot {
     Full,
     /// From behind.
     Back,
+    /// Head and neck through a portrait lens; where an example has no such shot, the close-up.
+    Head,
     /// From far away.
     Far,
     /// Circles the subject.
@@ -35,8 +37,10 @@ pub enum Scene {
     Studio,
     /// A branch at the edge of a wood.
     Forest,
-    /// A branch before a misty cliff in the morning.
+    /// A dead branch over a ledge, in the morning.
     Cliff,
+    /// An old branch at dusk.
+    Dusk,
 }
 
 /// What fur consists of; the alternatives that the hybrid fur paper compares.
@@ -223,7 +227,15 @@ pub struct Args {
     /// animation stands still.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536), help_heading = "Off screen")]
     pub accumulate: Option<u32>,
-    /// Statistics to write, as JSON.
+    /// Several pictures from one coat, in the place of `--camera` and `--output`: a camera and the file it fills, as
+    /// `--shot back=parrot_back.png`.
+    #[arg(long, value_name = "CAMERA=FILE", value_parser = parse_shot, help_heading = "Off screen")]
+    pub shot: Vec<(Shot, PathBuf)>,
+    /// Folder for a mask of each `--shot`, under its name: feathers in colors of their own, bill, eyes, feet and bare skin blue,
+    /// everything else black; and a JSON that says what a pixel measures.
+    #[arg(long, requires = "shot", help_heading = "Off screen")]
+    pub masks: Option<PathBuf>,
+    /// Statistics to write, as JSON; with `--shot` a folder for those of each picture.
     #[arg(long, help_heading = "Off screen")]
     pub stats: Option<PathBuf>,
     /// Print a line with the adapter, milliseconds a frame and bytes of fur; `--frames` says how many are timed.
@@ -286,6 +298,13 @@ fn parse_size(text: &str) -> Result<(u32, u32), String> {
             .ok_or_else(|| format!("`{text}`: a side is 16 to 8192 pixels"))
     };
     Ok((side(width)?, side(height)?))
+}
+
+fn parse_shot(text: &str) -> Result<(Shot, PathBuf), String> {
+    let (camera, file) = text
+        .split_once('=')
+        .ok_or_else(|| format!("`{text}` is not CAMERA=FILE"))?;
+    Ok((Shot::from_str(camera, true)?, PathBuf::from(file)))
 }
 
 fn parse_mask(text: &str) -> Result<MaskTexture, String> {

@@ -30,7 +30,13 @@ pub struct Backdrop {
     pub discs: (u32, f32),
     /// Gaps in the leaves through which the sky shines.
     pub gaps: bool,
+    /// Ridges of hills under a sky, one behind another, before which the discs lie; 0: leaves all over.
+    pub ridges: u32,
 }
+
+/// What hangs on a camera and fills its picture: metres behind the subject, or, below 0, less a share of the way to it.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct Hung(pub f32);
 
 impl Backdrop {
     fn paint(&self, width: usize, seed: u32) -> Vec<Vec3> {
@@ -48,6 +54,7 @@ impl Backdrop {
                     .lerp(light, 0.6 * glow.clamp(0.0, 1.0))
             })
             .collect();
+        self.paint_ridges(&mut picture, width);
         let (count, strength) = self.discs;
         for i in 0..count {
             let radius =
@@ -68,6 +75,31 @@ impl Backdrop {
             picture = blurred(&picture, width, reach);
         }
         picture
+    }
+}
+
+/// Haze over the furthest ridge; the nearest has none.
+const HAZE: f32 = 0.75;
+
+impl Backdrop {
+    /// A sky that pales towards the horizon, and ridges, the nearer the darker.
+    fn paint_ridges(&self, picture: &mut [Vec3], width: usize) {
+        let [dark, middle, light] = self.colors;
+        let warm = light * Vec3::new(1.12, 1.0, 0.86);
+        let unit = ROWS as f32;
+        for (i, pixel) in picture.iter_mut().enumerate().filter(|_| self.ridges > 0) {
+            let (x, y) = ((i % width) as f32 / unit, (i / width) as f32 / unit);
+            let cloud = 1.0 + 0.16 * fractal(Vec3::new(1.3 * x, 4.0 * y, 2.0), 3);
+            *pixel = middle.lerp(warm, (1.6 * y).min(1.0)) * cloud;
+            for ridge in 0..self.ridges {
+                let near = (ridge + 1) as f32 / self.ridges as f32;
+                let shape = fractal(Vec3::new(1.1 * x * (1.5 - 0.5 * near), 7.0 * near, 4.0), 4);
+                let crest = 0.40 + 0.42 * near + 0.20 * shape - 0.12 * near * x;
+                let below = ((y - crest) / 0.01).clamp(0.0, 1.0);
+                let ground = dark * (1.0 + 0.5 * fractal(Vec3::new(5.0 * x, 9.0 * y, near), 3));
+                *pixel = pixel.lerp(ground.lerp(warm, HAZE * (1.0 - near)), below);
+            }
+        }
     }
 }
 
@@ -117,7 +149,7 @@ pub fn hang(
     mut commands: Commands,
     args: Res<Args>,
     setting: Res<Setting>,
-    cameras: Query<(Entity, &Transform, &Projection, &Orbit)>,
+    cameras: Query<Entity, With<Orbit>>,
     mut images: ResMut<Assets<Image>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
@@ -144,23 +176,43 @@ pub fn hang(
         TextureFormat::Rgba16Float,
         RenderAssetUsages::RENDER_WORLD,
     ));
-    for (camera, transform, lens, orbit) in &cameras {
-        let Projection::Perspective(lens) = lens else {
-            continue;
-        };
-        let away = transform.translation.distance(orbit.target) + BEHIND;
-        // A little larger than the picture, which a jittered camera moves.
-        let tall = 2.1 * away * (0.5 * lens.fov).tan();
+    for camera in &cameras {
         commands.entity(camera).with_child((
-            Mesh3d(meshes.add(Rectangle::new(tall * aspect, tall))),
+            Hung(BEHIND),
+            Mesh3d(meshes.add(Rectangle::new(aspect, 1.0))),
             MeshMaterial3d(materials.add(StandardMaterial {
                 base_color_texture: Some(image.clone()),
                 unlit: true,
                 ..default()
             })),
-            Transform::from_xyz(0.0, 0.0, -away),
+            Transform::default(),
             NotShadowCaster,
             NotShadowReceiver,
         ));
+    }
+}
+
+/// Keeps what hangs on a camera in its picture, wherever it stands and through whatever lens it looks.
+pub fn fit(
+    cameras: Query<(&Transform, &Projection, &Orbit, &Children), Without<Hung>>,
+    mut hung: Query<(&Hung, &mut Transform)>,
+) {
+    for (transform, lens, orbit, children) in &cameras {
+        let Projection::Perspective(lens) = lens else {
+            continue;
+        };
+        let distance = transform.translation.distance(orbit.target);
+        let mut all = hung.iter_many_mut(children);
+        while let Some((Hung(behind), mut place)) = all.fetch_next() {
+            let away = if *behind < 0.0 {
+                distance * (1.0 + behind)
+            } else {
+                distance + behind
+            };
+            // A little larger than the picture, which a jittered camera moves.
+            let tall = 2.1 * away * (0.5 * lens.fov).tan();
+            let fitted = Transform::from_xyz(0.0, 0.0, -away).with_scale(Vec3::splat(tall));
+            place.set_if_neq(fitted);
+        }
     }
 }

@@ -52,13 +52,30 @@ fn bark(x: f32, a: f32, size: f32) -> (f32, Vec3) {
             4,
         )
     };
-    let lichen = ((patch(55.0, 2.4, 45.0) - 0.16) / 0.06).clamp(0.0, 1.0) * (1.0 - crack);
-    color = color.lerp(Vec3::new(0.32, 0.345, 0.27), 0.7 * lichen);
+    // Lobes of lichen stand off the bark; their middle is darker than their rim.
+    let lobes = patch(55.0, 2.4, 45.0) + 0.05 * fine - 0.16;
+    let lichen = (lobes / 0.04).clamp(0.0, 1.0) * (1.0 - crack);
+    let rim = (1.0 - (lobes / 0.12).min(1.0)) + 0.6 * fine;
+    height += 0.035 * lichen * (0.7 + rim);
+    color = color.lerp(
+        Vec3::new(0.32, 0.345, 0.27) * (0.72 + 0.45 * rim),
+        0.8 * lichen,
+    );
     let moss = patch(22.0, 1.6, 40.0) + 0.25 * a.cos() - 0.24;
     let green = Vec3::new(0.085, 0.115, 0.028) * (1.1 + 0.8 * fine);
     (
         height,
         color.lerp(green, 0.8 * (moss / 0.12).clamp(0.0, 1.0)),
+    )
+}
+
+/// The middle of a branch at a place along it: straight where feet stand, wavering further out.
+pub fn axis(x: f32, radius: f32) -> Vec3 {
+    let out = 1.1 * radius * ((x.abs() - SEAT) / 0.3).clamp(0.0, 1.0);
+    Vec3::new(
+        x,
+        out * noise(Vec3::new(x * 4.0, 3.1, 0.5)),
+        out * noise(Vec3::new(x * 4.0, 7.7, 2.5)),
     )
 }
 
@@ -70,13 +87,7 @@ pub fn branch(radius: f32, length: f32) -> Mesh {
     let (mut positions, mut colors, mut uvs) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..=rings {
         let x = half * (2.0 * i as f32 / rings as f32 - 1.0);
-        // Straight where feet stand, wavering further out.
-        let out = 1.1 * radius * ((x.abs() - SEAT) / 0.3).clamp(0.0, 1.0);
-        let centre = Vec3::new(
-            x,
-            out * noise(Vec3::new(x * 4.0, 3.1, 0.5)),
-            out * noise(Vec3::new(x * 4.0, 7.7, 2.5)),
-        );
+        let centre = axis(x, radius);
         let taper = 1.0 + 0.10 * ((x.abs() - SEAT).max(0.0) * x.signum() / half);
         let closed = ((half - x.abs()) / (2.0 * radius)).clamp(0.0, 1.0).sqrt();
         for j in 0..=sides {

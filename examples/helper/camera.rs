@@ -1,6 +1,6 @@
 //! The camera of the examples and its shots.
 
-use super::{Args, Shot, backdrop, scene::Sky, setting::Setting};
+use super::{Args, Shot, backdrop, foreground, scene::Sky, setting::Setting};
 use bevy::{
     camera::{Exposure, Hdr, RenderTarget},
     core_pipeline::{oit::OrderIndependentTransparencySettings, prepass::DepthPrepass},
@@ -27,6 +27,10 @@ pub const fn shot(target: [f32; 3], eye: [f32; 3], fov: f32) -> Framing {
         fov,
     }
 }
+
+/// The shot of head and neck, of an example that has one.
+#[derive(Resource, Clone, Copy, Debug)]
+pub struct HeadShot(pub Framing);
 
 /// The shots of one example.
 #[derive(Resource, Clone, Copy, Debug)]
@@ -60,8 +64,9 @@ impl Shots {
     }
 
     /// The shot of that name.
-    pub fn framing(&self, shot: Shot) -> Framing {
+    pub fn framing(&self, shot: Shot, head: Option<&HeadShot>) -> Framing {
         match shot {
+            Shot::Head => head.map_or(self.closeup, |head| head.0),
             Shot::Hero => self.hero,
             Shot::Closeup => self.closeup,
             Shot::Macro => self.macro_,
@@ -82,8 +87,12 @@ pub struct CameraPlugin;
 impl Plugin for CameraPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Sky>()
-            .add_systems(Startup, (spawn_camera, backdrop::hang).chain())
-            .add_systems(Update, circle);
+            .add_systems(
+                Startup,
+                (spawn_camera, (backdrop::hang, foreground::hang)).chain(),
+            )
+            .add_systems(Update, circle)
+            .add_systems(PostUpdate, backdrop::fit);
     }
 }
 
@@ -118,11 +127,12 @@ fn spawn_camera(
     mut commands: Commands,
     args: Res<Args>,
     shots: Res<Shots>,
+    head: Option<Res<HeadShot>>,
     sky: Res<Sky>,
     setting: Res<Setting>,
     off_screen: Option<Res<OffScreen>>,
 ) {
-    let framing = shots.framing(args.camera);
+    let framing = shots.framing(args.camera, head.as_deref());
     let mut camera = commands.spawn((
         Camera3d::default(),
         Hdr,

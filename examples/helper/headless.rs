@@ -7,8 +7,7 @@ use super::{
     growth::{FailedFiles, Growth},
     setting::Setting,
     sky::from_half,
-    stats,
-    tone::develop,
+    stats, tone,
 };
 use bevy::{
     app::PluginsState,
@@ -153,6 +152,10 @@ fn picture(app: &mut App, name: &str, args: &Args) -> Result<(), String> {
         super::cost::run(app, rounds.max(1), name);
         return Ok(());
     }
+    if !args.shot.is_empty() {
+        super::album::run(app, &image, name, args)?;
+        return stopped(app);
+    }
     let measured = args.stats.is_some() || args.bench;
     let frames = args.frames.unwrap_or(if measured { 2 } else { 0 });
     let warm_up = if frames > 0 { WARM_UP_TIMED } else { WARM_UP };
@@ -170,10 +173,7 @@ fn picture(app: &mut App, name: &str, args: &Args) -> Result<(), String> {
     }
     let default = PathBuf::from(format!("{name}.png"));
     let output = args.output.as_ref().unwrap_or(&default);
-    let picture = match args.accumulate {
-        Some(count) => average(app, &image, name, args, count)?,
-        None => capture(app, image)?.to_rgb8(),
-    };
+    let picture = develop(app, &image, name, args, args.accumulate)?;
     picture
         .save(output)
         .map_err(|error| format!("{}: {error}", shown(output)))?;
@@ -198,6 +198,20 @@ fn picture(app: &mut App, name: &str, args: &Args) -> Result<(), String> {
             .map_err(|error| format!("{}: {error}", shown(path)))?;
     }
     stopped(app)
+}
+
+/// The picture of what the camera sees: of the next frame, or the mean of `frames`.
+pub fn develop(
+    app: &mut App,
+    image: &Handle<Image>,
+    name: &str,
+    args: &Args,
+    frames: Option<u32>,
+) -> Result<image::RgbImage, String> {
+    match frames {
+        Some(count) => average(app, image, name, args, count),
+        None => Ok(capture(app, image.clone())?.to_rgb8()),
+    }
 }
 
 /// An error if the renderer has given up.
@@ -329,7 +343,7 @@ pub fn capture(app: &mut App, image: Handle<Image>) -> Result<image::DynamicImag
     Err("the picture did not come back from the GPU".into())
 }
 
-/// The mean of `count` frames, developed on the scene's film.
+/// The mean of `count` frames, from where camera and lights stand, developed on the scene's film.
 fn average(
     app: &mut App,
     image: &Handle<Image>,
@@ -396,8 +410,16 @@ fn average(
             next += 1;
         }
     }
+    let world = app.world_mut();
+    world
+        .entity_mut(camera)
+        .insert(place)
+        .remove::<TemporalJitter>();
+    for (light, place) in lights {
+        world.entity_mut(light).insert(place);
+    }
     let bytes = sum.mean().flat_map(|color| {
-        let shown = develop(color, setting.tone, setting.saturation);
+        let shown = tone::develop(color, setting.tone, setting.saturation);
         let shown = Color::linear_rgb(shown.x, shown.y, shown.z).to_srgba();
         [shown.red, shown.green, shown.blue].map(|c| (c * 255.0).round() as u8)
     });

@@ -23,7 +23,10 @@ impl Default for Help {
                 ("F1", "show these keys"),
                 ("drag", "turn"),
                 ("wheel", "move closer or away"),
-                ("1 to 6", "shots: far, whole, side, back, barbs, barbules"),
+                (
+                    "1 to 7",
+                    "shots: far, whole, side, back, barbs, barbules, head",
+                ),
                 ("Space", "stop or resume the animation"),
                 ("V", "next debug view"),
                 ("W", "wind on or off"),

@@ -4,6 +4,7 @@
 #![allow(dead_code, reason = "every example uses its own part")]
 
 pub mod accumulate;
+pub mod album;
 pub mod args;
 pub mod backdrop;
 pub mod branch;
@@ -13,6 +14,8 @@ pub mod compare;
 pub mod controls;
 pub mod cost;
 pub mod cost_table;
+pub mod foliage;
+pub mod foreground;
 pub mod growth;
 pub mod headless;
 pub mod help;
@@ -21,6 +24,7 @@ pub mod scene;
 pub mod setting;
 pub mod sky;
 pub mod stats;
+pub mod surroundings;
 pub mod tone;
 
 pub use args::{Args, Shot};

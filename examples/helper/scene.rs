@@ -2,10 +2,12 @@
 
 use super::{
     Args,
+    backdrop::Hung,
     branch::branch,
     camera::Orbit,
     setting::{Lamp, Setting},
     sky,
+    surroundings::grow,
 };
 use bevy::{
     gltf::GltfAssetLabel,
@@ -14,7 +16,7 @@ use bevy::{
     render::view::ColorGrading,
     world_serialization::{WorldAssetRoot, WorldInstanceReady},
 };
-use bevy_plumage::{DebugView, fit_cascades};
+use bevy_plumage::{DebugView, fit_cascades, prelude::*};
 use std::f32::consts::FRAC_PI_2;
 
 /// Sun, sky, and the animation of the birds.
@@ -88,8 +90,8 @@ fn wide_shadows() -> CascadeShadowConfig {
     .build()
 }
 
-/// Radius of what fitted shadow maps hold, metres: a bird with its branch.
-const REACH: f32 = 0.9;
+/// Most and least that fitted shadow maps hold around the point looked at, metres: a bird with its branch, a head.
+const REACH: [f32; 2] = [0.9, 0.15];
 
 fn spawn_lights(mut commands: Commands, args: Res<Args>, setting: Res<Setting>) {
     for Lamp { toward, lux, color } in [Some(setting.key), setting.rim].into_iter().flatten() {
@@ -112,20 +114,24 @@ fn spawn_lights(mut commands: Commands, args: Res<Args>, setting: Res<Setting>) 
 /// Shadow maps around the subject, so that feathers throw shadows, too; again when the camera comes nearer or goes away.
 fn fit_shadows(
     setting: Res<Setting>,
-    cameras: Query<(&Transform, &Orbit)>,
+    cameras: Query<(&Transform, &Projection, &Orbit)>,
     mut lights: Query<&mut CascadeShadowConfig, With<DirectionalLight>>,
-    mut fitted: Local<f32>,
+    mut fitted: Local<Vec2>,
 ) {
-    let Some((camera, orbit)) = cameras.iter().next() else {
+    let Some((camera, Projection::Perspective(lens), orbit)) = cameras.iter().next() else {
         return;
     };
     let distance = camera.translation.distance(orbit.target);
-    if !setting.fitted_shadows || (distance - *fitted).abs() < 0.02 * distance {
+    // What the picture shows, and as much again on all sides.
+    let [most, least] = REACH;
+    let reach = (3.0 * distance * (0.5 * lens.fov).tan()).clamp(least, most);
+    let wanted = Vec2::new(distance, reach);
+    if !setting.fitted_shadows || wanted.distance(*fitted) < 0.02 * distance {
         return;
     }
-    *fitted = distance;
+    *fitted = wanted;
     for mut config in &mut lights {
-        *config = fit_cascades(&(*camera).into(), orbit.target, REACH);
+        *config = fit_cascades(&(*camera).into(), orbit.target, reach);
     }
 }
 
@@ -173,6 +179,31 @@ fn grow_perch(
             })),
             place,
         ));
+        let around = grow(setting.surroundings, radius, length);
+        let thin = StandardMaterial {
+            perceptual_roughness: 0.55,
+            reflectance: 0.35,
+            diffuse_transmission: 0.4,
+            double_sided: true,
+            cull_mode: None,
+            ..default()
+        };
+        let solid = StandardMaterial {
+            perceptual_roughness: 0.9,
+            reflectance: 0.25,
+            double_sided: true,
+            cull_mode: None,
+            ..default()
+        };
+        for (mesh, material) in [(around.solid, solid), (around.thin, thin)] {
+            let Some(mesh) = mesh else {
+                continue;
+            };
+            commands.entity(add.entity).with_child((
+                Mesh3d(meshes.add(mesh)),
+                MeshMaterial3d(materials.add(material)),
+            ));
+        }
     } else {
         commands.entity(add.entity).insert((
             Mesh3d(meshes.add(Capsule3d::new(radius, length))),
@@ -235,5 +266,49 @@ fn mark_bodies(
             material.base_color_texture = None;
             material.unlit = true;
         }
+    }
+}
+
+/// Makes the scene a mask: feathers show a color for each card, bill, eyes, feet and bare skin are blue, the rest is black.
+pub fn mask(app: &mut App) {
+    let world = app.world_mut();
+    let mut qualities = world.query::<&mut FeatherQuality>();
+    for mut quality in qualities.iter_mut(world) {
+        quality.settings.debug_view = DebugView::Card;
+    }
+    let mut cameras = world.query_filtered::<Entity, With<Orbit>>();
+    let cameras: Vec<Entity> = cameras.iter(world).collect();
+    for camera in cameras {
+        world.entity_mut(camera).remove::<Skybox>();
+    }
+    world.insert_resource(ClearColor(Color::BLACK));
+    let mut birds = world.query_filtered::<Entity, With<Idle>>();
+    let mut children = world.query::<&Children>();
+    let mut bodies = Vec::new();
+    for bird in birds.iter(world) {
+        bodies.extend(children.query(world).iter_descendants(bird));
+    }
+    let mut worn = world.query::<(Entity, &MeshMaterial3d<StandardMaterial>, Has<Hung>)>();
+    let worn: Vec<_> = worn
+        .iter(world)
+        .map(|(entity, material, hung)| (entity, material.0.clone(), hung))
+        .collect();
+    for (entity, old, hung) in worn {
+        let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
+        let old = materials.get(&old).cloned().unwrap_or_default();
+        let body = bodies.contains(&entity);
+        // By what it emits: colors of vertices would darken what it reflects.
+        let flat = materials.add(StandardMaterial {
+            base_color: Color::BLACK,
+            base_color_texture: hung.then(|| old.base_color_texture.clone()).flatten(),
+            emissive: LinearRgba::rgb(0.0, 0.0, f32::from(u8::from(body))),
+            reflectance: 0.0,
+            unlit: !body,
+            alpha_mode: old.alpha_mode,
+            double_sided: old.double_sided,
+            cull_mode: old.cull_mode,
+            ..default()
+        });
+        world.entity_mut(entity).insert(MeshMaterial3d(flat));
     }
 }

@@ -1,6 +1,8 @@
 //! The scenes that `--scene` chooses from, as data: light, what is behind, perch, and how the film answers.
 
-use super::{Args, args::Scene, backdrop::Backdrop, sky};
+use super::{
+    Args, args::Scene, backdrop::Backdrop, foreground::Blade, sky, surroundings::Surroundings,
+};
 use bevy::{core_pipeline::tonemapping::Tonemapping, prelude::*};
 
 /// A sun-like lamp.
@@ -35,6 +37,10 @@ pub struct Setting {
     pub saturation: f32,
     /// The perch is a branch with bark; else a smooth cylinder.
     pub bark: bool,
+    /// What grows around it.
+    pub surroundings: Surroundings,
+    /// What stands out of focus before the subject.
+    pub blades: &'static [Blade],
     /// Shadow maps fit the subject; else they reach eight metres.
     pub fitted_shadows: bool,
     /// Radius of the lens, metres: what is out of focus when frames are accumulated.
@@ -78,12 +84,58 @@ fn cliff(direction: Vec3) -> Vec3 {
     base + Vec3::new(0.9, 0.85, 0.75) * ((veil - 0.4) / 0.6).max(0.0).powi(2)
 }
 
+/// Radiance after sunset: blue above, a warm rim where the sun went, dark ground.
+fn evening(direction: Vec3) -> Vec3 {
+    let up = direction.y;
+    let base = if up >= 0.0 {
+        Vec3::new(0.50, 0.47, 0.47).lerp(Vec3::new(0.28, 0.36, 0.52), up.powf(0.5))
+    } else {
+        Vec3::new(0.50, 0.47, 0.47).lerp(Vec3::new(0.14, 0.12, 0.10), (-3.0 * up).min(1.0))
+    };
+    let sun = direction.dot(Vec3::new(0.95, 0.2, 0.85).normalize());
+    base + Vec3::new(1.3, 0.85, 0.5) * ((sun - 0.4) / 0.6).max(0.0).powi(2)
+}
+
+/// A leaf in the lower left corner.
+const LEAF: [Blade; 1] = [Blade {
+    ends: [Vec2::new(-0.74, -0.42), Vec2::new(-0.36, -0.33)],
+    bend_width: Vec2::new(0.05, 0.085),
+    blur: 0.035,
+    colors: [
+        Vec3::new(0.035, 0.085, 0.016),
+        Vec3::new(0.075, 0.135, 0.028),
+    ],
+}];
+
+/// A blade of straw from below.
+const fn straw(foot: f32, tip: [f32; 2], bend: f32) -> Blade {
+    Blade {
+        ends: [Vec2::new(foot, -0.62), Vec2::from_array(tip)],
+        bend_width: Vec2::new(bend, 0.009),
+        blur: 0.026,
+        colors: [Vec3::new(0.08, 0.075, 0.035), Vec3::new(0.21, 0.17, 0.09)],
+    }
+}
+
+/// Straw along the lower border, at both sides.
+const STRAW: [Blade; 8] = [
+    straw(-0.66, [-0.52, -0.17], 0.02),
+    straw(-0.60, [-0.62, -0.11], -0.02),
+    straw(-0.56, [-0.43, -0.24], 0.03),
+    straw(-0.63, [-0.70, -0.21], -0.03),
+    straw(-0.52, [-0.47, -0.20], 0.01),
+    straw(0.60, [0.53, -0.23], -0.02),
+    straw(0.63, [0.70, -0.17], 0.02),
+    straw(0.57, [0.60, -0.28], 0.0),
+];
+
 impl Setting {
     /// What the command line asks for; without a wish whole birds sit where they live, everything else is in the studio.
     pub fn chosen(args: &Args, example: &str) -> Self {
         let usual = match example {
-            "parrot" | "owl" => Scene::Forest,
+            "parrot" => Scene::Forest,
             "eagle" => Scene::Cliff,
+            "owl" => Scene::Dusk,
             _ => Scene::Studio,
         };
         if args.backlight {
@@ -99,6 +151,7 @@ impl Setting {
             Scene::Studio => Self::studio(),
             Scene::Forest => Self::forest(),
             Scene::Cliff => Self::ledge(),
+            Scene::Dusk => Self::dusk(),
         }
     }
 
@@ -118,6 +171,8 @@ impl Setting {
             tone: Tonemapping::AcesFitted,
             saturation: 1.0,
             bark: false,
+            surroundings: Surroundings::Bare,
+            blades: &[],
             fitted_shadows: false,
             aperture: 0.0,
         }
@@ -160,23 +215,26 @@ impl Setting {
                 ],
                 discs: (300, 0.42),
                 gaps: true,
+                ridges: 0,
             }),
             ev100: 11.6,
             tone: Tonemapping::KhronosPbrNeutral,
-            saturation: 1.0,
+            saturation: 0.985,
             bark: true,
+            surroundings: Surroundings::Leaves,
+            blades: &LEAF,
             fitted_shadows: true,
             aperture: 0.006,
         }
     }
 
-    /// A dead branch before a misty cliff in the morning.
+    /// A dead branch over a ledge in the morning, hills behind.
     fn ledge() -> Self {
         Self {
             key: Lamp {
-                toward: Vec3::new(0.75, 0.85, 0.9),
-                lux: 26_000.0,
-                color: [1.0, 0.91, 0.79],
+                toward: Vec3::new(0.85, 0.70, 0.9),
+                lux: 29_000.0,
+                color: [1.0, 0.87, 0.70],
             },
             rim: Some(Lamp {
                 toward: Vec3::new(-0.3, 0.9, -1.0),
@@ -187,19 +245,58 @@ impl Setting {
             fill: [1700.0, 1700.0],
             backdrop: Some(Backdrop {
                 colors: [
-                    Vec3::new(0.075, 0.085, 0.090),
-                    Vec3::new(0.130, 0.140, 0.145),
-                    Vec3::new(0.210, 0.215, 0.210),
+                    Vec3::new(0.052, 0.058, 0.046),
+                    Vec3::new(0.205, 0.275, 0.360),
+                    Vec3::new(0.430, 0.385, 0.325),
                 ],
-                discs: (60, 0.14),
+                discs: (0, 0.0),
                 gaps: false,
+                ridges: 4,
             }),
             ev100: 11.25,
             tone: Tonemapping::KhronosPbrNeutral,
             saturation: 0.95,
             bark: true,
+            surroundings: Surroundings::Ledge,
+            blades: &STRAW,
             fitted_shadows: true,
             aperture: 0.008,
+        }
+    }
+
+    /// An old branch at dusk: the last light from the side, a blue sky above.
+    fn dusk() -> Self {
+        Self {
+            key: Lamp {
+                toward: Vec3::new(0.95, 0.55, 0.85),
+                lux: 15_000.0,
+                color: [1.0, 0.82, 0.60],
+            },
+            rim: Some(Lamp {
+                toward: Vec3::new(-0.5, 0.8, -1.0),
+                lux: 8_000.0,
+                color: [0.78, 0.88, 1.0],
+            }),
+            radiance: evening,
+            fill: [1500.0, 1500.0],
+            backdrop: Some(Backdrop {
+                colors: [
+                    Vec3::new(0.014, 0.016, 0.020),
+                    Vec3::new(0.060, 0.074, 0.108),
+                    Vec3::new(0.150, 0.118, 0.100),
+                ],
+                discs: (60, 0.12),
+                gaps: false,
+                ridges: 3,
+            }),
+            ev100: 11.2,
+            tone: Tonemapping::KhronosPbrNeutral,
+            saturation: 0.98,
+            bark: true,
+            surroundings: Surroundings::Dry,
+            blades: &[],
+            fitted_shadows: true,
+            aperture: 0.005,
         }
     }
 }

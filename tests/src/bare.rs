@@ -1,11 +1,14 @@
 //! How much skin shows through a coat: pictures from all around with the skin in magenta, the feathers black, the ground green.
 
-use crate::{app::Stage, view::darken, wait};
+use crate::{app::Stage, asset, view::darken, wait};
 use bevy::{
-    asset::LoadState,
+    asset::{LoadState, RenderAssetUsages},
     camera::ScalingMode,
     gltf::GltfAssetLabel,
-    mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
+    mesh::{
+        VertexAttributeValues,
+        skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
+    },
     prelude::*,
     world_serialization::WorldAssetRoot,
 };
@@ -35,6 +38,10 @@ pub const DIRECTIONS: [Vec3; 12] = {
 };
 /// Phases of the animation.
 pub const PHASES: u32 = 3;
+/// Phases of the clip of a bird of the repository.
+pub const BIRD_PHASES: u32 = 6;
+/// Least linear luminance of skin that nature leaves bare (a macaw's face): skin under feathers is darker.
+const FACE: f32 = 0.5;
 
 /// Counted pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,7 +60,7 @@ impl Bare {
         self.skin as f32 / self.feathered.max(1) as f32
     }
 
-    fn add(&mut self, picture: &[[f32; 3]]) {
+    fn add(&mut self, picture: &[[f32; 3]]) -> f32 {
         let mut own = Self::default();
         for [red, green, _] in picture {
             own.skin += usize::from(*red > 0.5);
@@ -62,6 +69,7 @@ impl Bare {
         self.skin += own.skin;
         self.feathered += own.feathered;
         self.worst = self.worst.max(own.share());
+        own.share()
     }
 }
 
@@ -83,6 +91,25 @@ impl Subject {
     /// # Errors
     /// Why it has not grown any feathers.
     pub fn open(stage: &mut Stage, path: &Path, clip: usize) -> Result<Self, String> {
+        Self::spawn(stage, path, clip, Plumage::default())
+    }
+
+    /// A bird of the repository in its groom: `birds/NAME.glb`.
+    ///
+    /// # Errors
+    /// Why it has not grown any feathers.
+    pub fn bird(stage: &mut Stage, name: &str) -> Result<Self, String> {
+        let server = stage.app.world().resource::<AssetServer>().clone();
+        let groom = Plumage::new(server.load(format!("grooms/{name}.groom.ron")));
+        Self::spawn(stage, &asset(&format!("birds/{name}.glb")), 0, groom)
+    }
+
+    fn spawn(
+        stage: &mut Stage,
+        path: &Path,
+        clip: usize,
+        plumage: Plumage,
+    ) -> Result<Self, String> {
         let path = std::path::absolute(path).map_err(|error| error.to_string())?;
         let assets = stage.app.world().resource::<AssetServer>().clone();
         let scene = assets.load(GltfAssetLabel::Scene(0).from_asset(path.clone()));
@@ -93,7 +120,7 @@ impl Subject {
             .world_mut()
             .spawn((
                 WorldAssetRoot(scene.clone()),
-                Plumage::default().with_seed(1),
+                plumage.with_seed(1),
                 Transform::default(),
                 Visibility::default(),
             ))
@@ -169,7 +196,10 @@ pub fn paint(stage: &mut Stage, owner: Entity) {
     let cards = world.get::<PlumageParts>(owner).map(|parts| parts[0]);
     let skin = cards.and_then(|cards| {
         let colors = world.entity_mut(cards).take::<SkinColors>();
-        colors.map(|colors| colors.meshes)
+        let parent = world.get::<ChildOf>(cards).map(ChildOf::parent);
+        colors
+            .map(|colors| colors.meshes)
+            .or(parent.map(|parent| vec![parent]))
     });
     let skin = skin.unwrap_or_default();
     let mut parts = world
@@ -197,6 +227,61 @@ pub fn paint(stage: &mut Stage, owner: Entity) {
         world.entity_mut(entity).insert(MeshMaterial3d(flat));
     }
     stage.frames(3);
+}
+
+/// The same for a bird of the repository. Skin that nature leaves bare is painted like the ground.
+///
+/// # Errors
+/// Its skin has no colors to tell it by.
+pub fn paint_bird(stage: &mut Stage, owner: Entity) -> Result<(), String> {
+    paint(stage, owner);
+    let world = stage.app.world_mut();
+    let cards = world.get::<PlumageParts>(owner).map(|parts| parts[0]);
+    let skin = cards
+        .and_then(|cards| world.get::<ChildOf>(cards))
+        .map(ChildOf::parent)
+        .ok_or("no skin")?;
+    let (mesh, joints) = world
+        .query::<(&Mesh3d, &SkinnedMesh)>()
+        .get(world, skin)
+        .map(|(mesh, joints)| (mesh.0.clone(), joints.clone()))
+        .map_err(|error| error.to_string())?;
+    let mut meshes = world.resource_mut::<Assets<Mesh>>();
+    let mut painted = meshes.get(&mesh).cloned().ok_or("no mesh")?;
+    painted.asset_usage = RenderAssetUsages::default();
+    let Some(VertexAttributeValues::Float32x4(colors)) =
+        painted.attribute_mut(Mesh::ATTRIBUTE_COLOR)
+    else {
+        return Err("no colors".into());
+    };
+    for color in colors {
+        let [red, green, blue, _] = *color;
+        *color = if LinearRgba::rgb(red, green, blue).luminance() > FACE {
+            [0.0, 1.0, 0.0, 1.0]
+        } else {
+            [1.0, 0.0, 1.0, 1.0]
+        };
+    }
+    let painted = Mesh3d(meshes.add(painted));
+    let material = StandardMaterial {
+        unlit: true,
+        ..default()
+    };
+    let material = world
+        .resource_mut::<Assets<StandardMaterial>>()
+        .add(material);
+    // Beside the skin, which keeps its mesh: the feathers would grow anew.
+    world
+        .entity_mut(skin)
+        .remove::<MeshMaterial3d<StandardMaterial>>();
+    world.spawn((
+        painted,
+        joints,
+        MeshMaterial3d(material),
+        bevy::camera::visibility::NoFrustumCulling,
+    ));
+    stage.frames(3);
+    Ok(())
 }
 
 /// A sphere around the feathers in the pose they are in: middle and radius.
@@ -236,10 +321,17 @@ fn extent(stage: &Stage, owner: Entity) -> Option<(Vec3, f32)> {
     Some((middle, radius + scale * longest))
 }
 
-/// Counts in pictures from all [`DIRECTIONS`] of the pose it is in; the pictures go into a folder if one is named.
-pub fn count(stage: &mut Stage, subject: &Subject, save: Option<&PathBuf>, found: &mut Bare) {
+/// Counts in pictures from all [`DIRECTIONS`] of the pose it is in; the pictures go into a folder if one is named. Returns the share of
+/// each.
+pub fn count(
+    stage: &mut Stage,
+    subject: &Subject,
+    save: Option<&PathBuf>,
+    found: &mut Bare,
+) -> Vec<f32> {
+    let mut shares = Vec::new();
     let Some((middle, radius)) = extent(stage, subject.owner) else {
-        return;
+        return shares;
     };
     for (number, direction) in DIRECTIONS.iter().enumerate() {
         let eye = middle + direction.normalize() * 4.0 * radius;
@@ -255,7 +347,6 @@ pub fn count(stage: &mut Stage, subject: &Subject, save: Option<&PathBuf>, found
                 ..OrthographicProjection::default_3d()
             }),
         ));
-        stage.frame();
         let image = stage.still();
         let (width, height) = stage.size;
         let pixel = |i: u32| {
@@ -264,7 +355,7 @@ pub fn count(stage: &mut Stage, subject: &Subject, save: Option<&PathBuf>, found
             [color.red, color.green, color.blue]
         };
         let picture: Vec<[f32; 3]> = (0..width * height).map(pixel).collect();
-        found.add(&picture);
+        shares.push(found.add(&picture));
         if let Some(folder) = save
             && let Ok(picture) = image.try_into_dynamic()
         {
@@ -273,4 +364,5 @@ pub fn count(stage: &mut Stage, subject: &Subject, save: Option<&PathBuf>, found
                 .save(folder.join(format!("{number:02}.png")));
         }
     }
+    shares
 }

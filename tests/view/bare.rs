@@ -1,10 +1,10 @@
-//! Bare skin: awkward skins are covered from all sides, without a groom.
+//! Bare skin: awkward skins are covered from all sides, without a groom; the birds of the repository in theirs.
 
 use bevy::prelude::*;
 use plumage_tests::{
     app::Stage,
     awkward,
-    bare::{Bare, PHASES, Subject, count, grown, paint},
+    bare::{BIRD_PHASES, Bare, PHASES, Subject, count, grown, paint, paint_bird},
 };
 use std::ops::Range;
 
@@ -12,6 +12,10 @@ use std::ops::Range;
 const ALLOWED: f32 = 0.005;
 /// Side of a picture, pixels.
 const SIDE: u32 = 128;
+/// The same for a bird, which long feathers make small in its picture.
+const BIRD_SIDE: u32 = 256;
+/// Largest shares of the birds, as they are; wanted is a tenth of a per cent.
+const ALLOWED_BIRDS: [(&str, f32); 3] = [("parrot", 0.02), ("eagle", 0.02), ("owl", 0.02)];
 
 /// Grows, paints and counts; `pose` moves it to each of `phases`, 0..1.
 fn measure(
@@ -96,4 +100,41 @@ fn awkward_skins_are_covered() {
 #[ignore = "minutes: all phases, for the figures in docs/your_own_mesh.md"]
 fn awkward_skins_are_covered_in_all_phases() {
     awkward_skins(0..PHASES);
+}
+
+/// Bare pixels of a bird of the repository, at these of its phases.
+fn of_bird(name: &str, phases: Range<u32>) -> Option<Bare> {
+    let mut stage = Stage::sized(BIRD_SIDE, BIRD_SIDE)?;
+    let subject = Subject::bird(&mut stage, name).unwrap_or_else(|error| panic!("{error}"));
+    paint_bird(&mut stage, subject.owner).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let mut bare = Bare::default();
+    for phase in phases {
+        subject.pose(&mut stage, phase as f32 / BIRD_PHASES as f32);
+        count(&mut stage, &subject, None, &mut bare);
+    }
+    println!(
+        "{name}: {:.2} % bare, at most {:.2} % in one picture",
+        100.0 * bare.share(),
+        100.0 * bare.worst
+    );
+    assert!(bare.feathered > 3_000, "{name}: {bare:?}");
+    Some(bare)
+}
+
+/// In the phase in which the macaw stretches; `bare_skin --bird` measures all of them.
+#[test]
+fn a_macaw_in_its_groom_shows_little_skin() {
+    if let Some(bare) = of_bird("parrot", 3..4) {
+        assert!(bare.share() <= ALLOWED_BIRDS[0].1, "{bare:?}");
+    }
+}
+
+#[test]
+#[ignore = "minutes: all birds in all phases"]
+fn birds_in_their_grooms_show_little_skin() {
+    for (name, allowed) in ALLOWED_BIRDS {
+        if let Some(bare) = of_bird(name, 0..BIRD_PHASES) {
+            assert!(bare.share() <= allowed, "{name}: {bare:?}");
+        }
+    }
 }

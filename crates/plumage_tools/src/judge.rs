@@ -12,8 +12,12 @@ const SPECKS: f32 = 5.0;
 /// How far a speck stands out, share of the median around it.
 const STANDS_OUT: f32 = 0.12;
 
-/// Brightest that the view by card numbers shows where there are no feathers, 0..1.
-const UNFEATHERED: f32 = 0.1;
+/// Darkest that a mask shows where there is a bird, 0..1: a hundredth of a pixel.
+const SEEN: f32 = 0.1;
+/// Finest scale at which contrast is measured, millimetres on the bird: half a pixel of the photographs.
+const FINEST: f32 = 0.45;
+/// Least by which what is around a bird is darker, stops.
+const DARKER: f32 = 0.7;
 
 /// Which bird is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +39,8 @@ pub enum View {
     Side,
     /// From behind.
     Back,
+    /// Head and neck.
+    Head,
 }
 
 /// One line of the list.
@@ -59,6 +65,8 @@ impl Line {
 
 /// A picture and which of its pixels show the bird.
 pub struct Subject {
+    /// What a pixel measures on the bird, millimetres.
+    scale: f32,
     width: usize,
     height: usize,
     /// Shown values, sRGB 0..1.
@@ -102,27 +110,21 @@ fn median(mut values: Vec<f32>) -> f32 {
 }
 
 impl Subject {
-    /// Of bytes RGB. The bird is what a view by card numbers (bill, eyes, feet and bare skin black) of the same camera colors otherwise than `picture`.
-    pub fn new(picture: &[u8], cards: &[u8], width: usize) -> Self {
+    /// Of bytes RGB. In a mask of the same camera feathers have any color but blue, bill, eyes, feet and bare skin are blue, the rest is
+    /// black. `scale`: what a pixel measures on the bird, millimetres.
+    pub fn new(picture: &[u8], mask: &[u8], width: usize, scale: f32) -> Self {
         let shown = |bytes: &[u8]| -> Vec<[f32; 3]> {
             let pixels = bytes.chunks_exact(3);
             pixels
                 .map(|p| [p[0], p[1], p[2]].map(|c| f32::from(c) / 255.0))
                 .collect()
         };
-        let (pixels, cards) = (shown(picture), shown(cards));
-        let mask: Vec<bool> = pixels
-            .iter()
-            .zip(&cards)
-            .map(|(a, b)| (0..3).any(|c| (a[c] - b[c]).abs() > 0.02))
-            .collect();
-        let feathers = mask
-            .iter()
-            .zip(&cards)
-            .map(|(bird, card)| *bird && card.iter().any(|c| *c > UNFEATHERED))
-            .collect();
+        let (pixels, shapes) = (shown(picture), shown(mask));
+        let mask = shapes.iter().map(|p| p.iter().any(|c| *c > SEEN)).collect();
+        let feathers = shapes.iter().map(|p| p[0].max(p[1]) > SEEN).collect();
         let height = pixels.len() / width.max(1);
         Self {
+            scale,
             width,
             height,
             pixels,
@@ -276,10 +278,11 @@ impl Subject {
         all.fold(f32::MAX, f32::min)
     }
 
-    /// Contrast of the red channel in four octaves of scale around the pixels: the difference of two Gaussians over the mean.
+    /// Contrast of the red channel in four octaves of scale from 0.45 mm around the pixels: the difference of two Gaussians over the mean.
     pub fn octaves(&self, at: &[usize]) -> [f32; 4] {
         let red: Vec<f32> = self.pixels.iter().map(|p| linear(p[0])).collect();
-        let levels: Vec<Vec<f32>> = [0.5, 1.0, 2.0, 4.0, 8.0]
+        let levels: Vec<Vec<f32>> = [1.0, 2.0, 4.0, 8.0, 16.0]
+            .map(|octave| FINEST * octave / self.scale)
             .map(|sigma| gaussian(&red, &self.mask, self.width, sigma))
             .into();
         let n = at.len().max(1) as f32;
@@ -291,6 +294,19 @@ impl Subject {
                 .sum();
             (square / n).sqrt() / mean.max(1.0e-6)
         })
+    }
+
+    /// By how much what is around the bird is darker on the average.
+    fn stops(&self) -> f32 {
+        let mean = |bird: bool| {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for (pixel, _) in self.pixels.iter().zip(&self.mask).filter(|p| *p.1 == bird) {
+                sum += (0..3).map(|c| LUMINANCE[c] * linear(pixel[c])).sum::<f32>();
+                count += 1.0;
+            }
+            f32::max(sum / f32::max(count, 1.0), 1.0e-5)
+        };
+        (mean(true) / mean(false)).log2()
     }
 
     /// The lines of the list that a program can judge.
@@ -356,7 +372,7 @@ impl Subject {
             median(breast.iter().map(|i| part(self.pixels[*i])).collect())
         };
         let saturation = of(&|p| hsv(p)[1]);
-        if view != View::Back && (macaw || eagle) {
+        if matches!(view, View::Front | View::Side) && (macaw || eagle) {
             // Hues around red: 0 lies in the middle.
             let hue = of(&|p| (hsv(p)[0] + 180.0).rem_euclid(360.0) - 180.0);
             if macaw {
@@ -393,10 +409,10 @@ impl Subject {
                 [0.193, 0.212, 0.177, 0.152]
             };
             let names = [
-                "contrast, 0.5 to 1 px",
-                "contrast, 1 to 2 px",
-                "contrast, 2 to 4 px",
-                "contrast, 4 to 8 px",
+                "contrast, 0.45 to 0.9 mm",
+                "contrast, 0.9 to 1.8 mm",
+                "contrast, 1.8 to 3.6 mm",
+                "contrast, 3.6 to 7.2 mm",
             ];
             let found = self.octaves(&breast);
             for ((name, wanted), found) in names.into_iter().zip(wanted).zip(found) {
@@ -405,6 +421,12 @@ impl Subject {
         }
         let clipped = share(&|p| p.iter().any(|c| *c >= 254.5 / 255.0));
         line(9, "clipped, % of the feathers", clipped, (0.0, 0.5));
+        line(
+            12,
+            "surroundings darker, stops",
+            self.stops(),
+            (DARKER, 100.0),
+        );
         lines
     }
 }
@@ -442,4 +464,68 @@ fn gaussian(values: &[f32], mask: &[bool], width: usize, sigma: f32) -> Vec<f32>
         .into_iter()
         .map(|(sum, weight)| sum / weight.max(1.0e-6))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A disc with stripes of a period in pixels before a darker ground, and its mask: feathers, the lowest fifth bare.
+    fn striped(side: usize, period: f32, scale: f32) -> Subject {
+        let (mut picture, mut mask) = (Vec::new(), Vec::new());
+        for i in 0..side * side {
+            let (x, y) = ((i % side) as f32, (i / side) as f32);
+            let middle = 0.5 * side as f32;
+            let inside = (x - middle).hypot(y - middle) < 0.4 * side as f32;
+            let red = 160.0 + 40.0 * (std::f32::consts::TAU * x / period).sin();
+            picture.extend(if inside {
+                [red as u8, 30, 20]
+            } else {
+                [40, 40, 40]
+            });
+            mask.extend(match (inside, y > 0.8 * side as f32) {
+                (true, false) => [90, 200, 0],
+                (true, true) => [0, 0, 255],
+                _ => [0, 0, 0],
+            });
+        }
+        Subject::new(&picture, &mask, side, scale)
+    }
+
+    #[test]
+    fn contrast_is_that_of_the_bird_whatever_the_size_of_the_picture() {
+        let inner = |side: usize| -> Vec<usize> {
+            (0..side * side)
+                .filter(|i| {
+                    let off = |at: usize| (at as f32 / side as f32 - 0.5).abs() < 0.15;
+                    off(i % side) && off(i / side)
+                })
+                .collect()
+        };
+        let small = striped(120, 6.0, 0.9).octaves(&inner(120));
+        let large = striped(240, 12.0, 0.45).octaves(&inner(240));
+        for (a, b) in small.into_iter().zip(large) {
+            assert!((a - b).abs() < 0.01 + 0.05 * b, "{small:?} {large:?}");
+        }
+        assert!(small[1] > 3.0 * small[3], "{small:?}");
+    }
+
+    #[test]
+    fn a_mask_parts_feathers_bare_parts_and_what_is_around() {
+        let subject = striped(120, 6.0, 0.9);
+        let bird = subject.mask.iter().filter(|m| **m).count();
+        let feathers = subject.feathers.iter().filter(|m| **m).count();
+        assert!(
+            feathers < bird && feathers * 10 > bird * 8,
+            "{feathers} {bird}"
+        );
+        let lines = subject.judge(Species::Owl, View::Head);
+        let found = |number| {
+            let line = lines.iter().find(|line| line.number == number);
+            line.map_or(f32::NAN, |line| line.found)
+        };
+        assert_eq!(found(1), 0.0);
+        // Luminance 0.1 against 0.02.
+        assert!((1.0..3.0).contains(&found(12)), "{}", found(12));
+    }
 }

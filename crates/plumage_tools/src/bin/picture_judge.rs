@@ -1,7 +1,8 @@
-//! Judges a picture of a bird against photographs: outline, specks, wing, proportions, colors, contrast, highlights, clipping.
+//! Judges a picture of a bird against photographs: outline, specks, wing, proportions, colors, contrast, highlights, clipping, backdrop.
 //!
-//! `cargo run -p plumage_tools --bin picture_judge -- parrot front picture.png cards.png`: `cards.png` is the same picture with
-//! `--view card` (and the same `--accumulate`), which says where the bird is. Prints one row of a table for each line of the list.
+//! `cargo run -p plumage_tools --bin picture_judge -- parrot front picture.png masks/picture.png`: an example writes both with `--shot`
+//! and `--masks`; the mask says where the bird is, the JSON beside it what a pixel measures. Prints one row of a table for each line of
+//! the list.
 
 use clap::{Parser, ValueEnum};
 use plumage_tools::judge::{Species, Subject, View};
@@ -19,6 +20,7 @@ enum SeenFrom {
     Front,
     Side,
     Back,
+    Head,
 }
 
 /// What is judged.
@@ -30,17 +32,20 @@ struct Args {
     view: SeenFrom,
     /// The picture.
     picture: PathBuf,
-    /// The same with `--view card`.
-    cards: PathBuf,
+    /// Its mask.
+    mask: PathBuf,
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let args = Args::parse();
-    let (picture, cards) = (
+    let (picture, mask) = (
         image::open(&args.picture)?.to_rgb8(),
-        image::open(&args.cards)?.to_rgb8(),
+        image::open(&args.mask)?.to_rgb8(),
     );
-    if picture.dimensions() != cards.dimensions() {
+    let said: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(args.mask.with_extension("json"))?)?;
+    let scale = said["mm_per_pixel"].as_f64().ok_or("no mm_per_pixel")? as f32;
+    if picture.dimensions() != mask.dimensions() {
         return Err("the two pictures differ in size".into());
     }
     let width = picture.width() as usize;
@@ -53,8 +58,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         SeenFrom::Front => View::Front,
         SeenFrom::Side => View::Side,
         SeenFrom::Back => View::Back,
+        SeenFrom::Head => View::Head,
     };
-    let lines = Subject::new(picture.as_raw(), cards.as_raw(), width).judge(species, view);
+    let lines = Subject::new(picture.as_raw(), mask.as_raw(), width, scale).judge(species, view);
     let name = args.picture.file_stem().unwrap_or_default();
     for line in &lines {
         let verdict = if line.passes() { "pass" } else { "fail" };
