@@ -91,7 +91,7 @@ pub fn grow(what: Surroundings, radius: f32, length: f32) -> Grown {
             let size = 0.45 + 0.55 * spread;
             let leaves = match what {
                 Surroundings::Leaves => 4,
-                Surroundings::Dry => u32::from(i % 2 == 0),
+                Surroundings::Dry => 2 - u32::from(i % 2 == 1),
                 _ => 0,
             };
             let green = match what {

@@ -15,7 +15,7 @@ const SIDE: u32 = 128;
 /// The same for a bird, which long feathers make small in its picture.
 const BIRD_SIDE: u32 = 256;
 /// Largest shares of the birds, as they are; wanted is a tenth of a per cent.
-const ALLOWED_BIRDS: [(&str, f32); 3] = [("parrot", 0.02), ("eagle", 0.02), ("owl", 0.02)];
+const ALLOWED_BIRDS: [(&str, f32); 3] = [("parrot", 0.0025), ("eagle", 0.0025), ("owl", 0.0025)];
 
 /// Grows, paints and counts; `pose` moves it to each of `phases`, 0..1.
 fn measure(
