@@ -326,10 +326,11 @@ pub fn count(
         }
         thread::sleep(Duration::from_millis(5));
     };
-    if !status.success() {
+    let frame = last_frame(&fs::read_to_string(work.join("counts")).unwrap_or_default());
+    // On a slow machine the example gives up waiting for its picture, after the frame is done.
+    if !status.success() && frame.is_empty() {
         return Err(format!("{name} {arguments:?} with counters: {status}").into());
     }
-    let frame = last_frame(&fs::read_to_string(work.join("counts"))?);
     collect(root, &work, [driver, family], made, &frame)
 }
 

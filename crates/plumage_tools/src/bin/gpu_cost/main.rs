@@ -59,6 +59,9 @@ struct Args {
     /// Count what frames of these pictures run on a software renderer, instead: `hero`, `far`, `eagle`, `closeup`; the examples must be built
     #[arg(long, num_args = 1.., value_name = "PICTURE")]
     pictures: Vec<String>,
+    /// Of the examples, for those pictures: `alpha-to-coverage` (four samples), `hashed` (one)
+    #[arg(long, default_value = "alpha-to-coverage")]
+    transparency: String,
     /// Size of those pictures
     #[arg(long, default_value = "1920x1080")]
     size: String,
@@ -261,7 +264,11 @@ fn main() -> Result<()> {
         .unwrap_or_else(|_| "unknown".into());
     if !args.pictures.is_empty() {
         let text = pictures::run(&args, &folder, &format!("{date}, commit {commit}"))?;
-        return save(&args, &format!("{date}_gpu_frames"), &text);
+        return save(
+            &args,
+            &format!("{date}_gpu_frames_{}", args.transparency),
+            &text,
+        );
     }
     let mut pipelines = variants::all();
     pipelines.retain(|p| (args.all || p.usual) && p.name.contains(&args.only));
