@@ -12,7 +12,7 @@ use super::{
 use crate::{
     anatomy::{CONTOUR_ROWS, RACHIS_ROWS},
     maths::{
-        query::{Lod, OUTLINE_LEVELS, OUTLINE_NODES},
+        query::Lod,
         scattering::{
             KEPT_AZIMUTHS, KEPT_LEVELS, SHEEN_TABLE_SIZE, SHORT_HEAD_VEC4S, SHORT_ROW_VEC4S,
             SHORT_STEP_VEC4S, SHORT_TABLE_VEC4S, interference::SEEN_STEPS,
@@ -95,13 +95,6 @@ pub fn constant_layouts() -> Vec<ConstantLayout> {
     all.extend(in_file(
         "maths/interference.wgsl",
         &[("SEEN_STEPS", SEEN_STEPS)],
-    ));
-    all.extend(in_file(
-        "maths/query_split.wgsl",
-        &[
-            ("OUTLINE_NODES", OUTLINE_NODES as usize),
-            ("OUTLINE_LEVELS", OUTLINE_LEVELS as usize),
-        ],
     ));
     all.extend(in_file(
         "maths/query.wgsl",

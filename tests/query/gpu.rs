@@ -158,34 +158,14 @@ fn whole_query() {
             let notch = outline.z * exp(-0.5 * t * t);
             return vec2(outline.x * (1.0 - notch) + outline.y * (root - 0.5), outline.x * notch * t / 0.02 + outline.y);
         }
-        // As the tables hold it, averaged over the values around a root.
-        fn averaged(outline: vec3<f32>, root: f32, level: u32) -> vec3<f32> {
-            let count = 1u << level;
-            let middle = 0.5 * f32(count - 1u);
-            if (level == 0u) {
-                return vec3(reach_at(outline, root), 0.0);
-            }
-            var mean = 0.0;
-            for (var k = 0u; k < count; k++) {
-                mean += reach_at(outline, root + (f32(k) - middle) / 255.0).x / f32(count);
-            }
-            var around = vec3(0.0);
-            for (var k = 0u; k < count; k++) {
-                let x = (f32(k) - middle) / 255.0;
-                let y = reach_at(outline, root + x).x - mean;
-                around += vec3(y * y, x * y, x * x) / f32(count);
-            }
-            let slope = around.y / around.z;
-            return vec3(mean, slope, max(around.x - slope * around.y, 0.0));
-        }
         fn side(card: CardVane, start: f32, contour: vec3<f32>, f: Footprint, edge: f32, view: vec3<f32>, lod: u32) -> vec3<f32> {
             let cotangent = barb_cotangent(card.shape.vane.sin_b, card.shape.vane.cos_b);
             let sight = outline_sight(f, cotangent, 1.0 / 255.0);
-            var share = 0.0;
+            var nodes = vec2(0.0);
             for (var j = 0u; j < sight.count; j++) {
-                share += outline_node(sight, j, averaged(contour, outline_root(sight, j), sight.level));
+                nodes += outline_node(sight, j, reach_at(contour, outline_root(sight, j)));
             }
-            let outline = Outline(reach_at(contour, barb_root(f.mean, cotangent)), share);
+            let outline = Outline(reach_at(contour, barb_root(f.mean, cotangent)), nodes.y / max(nodes.x, 1e-9));
             return cover_vane(card, start, outline, f, edge, view, lod, LOD_MIXED, THRESHOLD).weights;
         }
         fn evaluate(i: u32) {
@@ -456,35 +436,15 @@ fn outlines() {
             let notch = 0.5 * exp(-0.5 * t * t);
             return vec2(0.2 * (1.0 - notch), 0.2 * notch * t / 0.02);
         }
-        // As the tables hold it, averaged over the values around a root.
-        fn averaged(root: f32, level: u32) -> vec3<f32> {
-            let count = 1u << level;
-            let middle = 0.5 * f32(count - 1u);
-            if (level == 0u) {
-                return vec3(reach(root), 0.0);
-            }
-            var mean = 0.0;
-            for (var k = 0u; k < count; k++) {
-                mean += reach(root + (f32(k) - middle) / 255.0).x / f32(count);
-            }
-            var around = vec3(0.0);
-            for (var k = 0u; k < count; k++) {
-                let x = (f32(k) - middle) / 255.0;
-                let y = reach(root + x).x - mean;
-                around += vec3(y * y, x * y, x * x) / f32(count);
-            }
-            let slope = around.y / around.z;
-            return vec3(mean, slope, max(around.x - slope * around.y, 0.0));
-        }
         fn evaluate(i: u32) {
             let a = 5u * i;
             let f = Footprint(vec2(input[a], input[a + 1u]), vec3(input[a + 2u], input[a + 3u], input[a + 4u]));
             let sight = outline_sight(f, 0.8, 1.0 / 255.0);
-            var sum = 0.0;
+            var sum = vec2(0.0);
             for (var j = 0u; j < sight.count; j++) {
-                sum += outline_node(sight, j, averaged(outline_root(sight, j), sight.level));
+                sum += outline_node(sight, j, reach(outline_root(sight, j)));
             }
-            output[i] = sum;
+            output[i] = sum.y / sum.x;
         }";
     let mut random = Pcg64Mcg::seed_from_u64(12);
     let mut input = Vec::new();

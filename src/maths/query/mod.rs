@@ -60,8 +60,8 @@ pub use shadow::{
     vane_eye, vane_ray, vane_shadow,
 };
 pub use split::{
-    Line, LineCut, OUTLINE_LEVELS, OUTLINE_NODES, PARTS, Part, line_part, line_parts, line_share,
-    outline_average, outline_share, split_line,
+    Line, LineCut, MAX_OUTLINE_NODES, PARTS, Part, line_part, line_parts, line_share,
+    outline_share, split_line,
 };
 pub use stripe::stripe_coverage;
 pub use vane::{Cell, Local, Vane, reduce};

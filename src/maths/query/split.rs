@@ -187,20 +187,13 @@ pub fn outline_line<T: Real>(mean: [T; 2], reach: [T; 2], cotangent: T) -> Line<
     }
 }
 
-/// Places at which an outline wider than a footprint's detail is looked up.
-pub const OUTLINE_NODES: u32 = 4;
-/// Times that pairs of stored values are averaged, at most.
-pub const OUTLINE_LEVELS: u32 = 4;
-/// Distance of the nodes in sigmas of the root. Each stands for a normal distribution of the variance of a step; together they make up the
-/// footprint's.
-const OUTLINE_STEP: f64 = 1.4;
-/// Weights of the inner and the outer nodes: those of a normal distribution of the variance that the steps leave.
-const OUTLINE_WEIGHTS: [f64; 2] = [0.456_175, 0.043_825];
+/// Most places at which the outline is looked up.
+pub const MAX_OUTLINE_NODES: u32 = 16;
 
 /// How a footprint sees an outline that is stored by the roots of the barbs: where to look it up, `count` times.
 ///
-/// A split of the outline may be narrower than the footprint. So the outline is averaged over about as many stored values as lie between
-/// two nodes, `2^level`, and is a line at each node, with the variance that is left around it.
+/// A split of the outline may be narrower than the footprint, so the outline is looked up along the roots, about every other
+/// value, and is a line at each of them only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutlineSight<T> {
     /// Root through the mean.
@@ -213,10 +206,8 @@ pub struct OutlineSight<T> {
     slope: T,
     /// Variance that is left of it.
     rest: T,
-    /// Number of nodes, 1 or [`OUTLINE_NODES`].
+    /// Number of nodes, 1 or 8..=[`MAX_OUTLINE_NODES`].
     pub count: u32,
-    /// How often the stored values are averaged, 0..=[`OUTLINE_LEVELS`].
-    pub level: u32,
 }
 
 /// `cotangent` of the angle of the barbs; `spacing` of the stored values.
@@ -225,28 +216,30 @@ pub fn outline_sight<T: Real>(f: &Footprint<T>, cotangent: T, spacing: T) -> Out
     let variance = (cotangent * (cotangent * xx + xy + xy) + yy).max(T::of(1e-20));
     let sigma = variance.sqrt();
     let slope = -(cotangent * xx + xy) / variance;
-    let between = T::of(OUTLINE_STEP) * sigma / spacing;
-    let most = T::of(f64::from(OUTLINE_LEVELS));
-    let level = clamp((between.log2() + T::of(0.5)).floor(), T::zero(), most);
+    let count = if sigma >= T::of(0.2) * spacing {
+        let most = T::of(f64::from(MAX_OUTLINE_NODES));
+        let count = clamp((T::of(3.3) * sigma / spacing).ceil(), T::of(8.0), most);
+        count.to_u32().unwrap_or(MAX_OUTLINE_NODES)
+    } else {
+        1
+    };
     OutlineSight {
         root: f.mean[1] + f.mean[0] * cotangent,
         sigma,
         inset: -f.mean[0],
         slope,
         rest: (xx - slope * slope * variance).max(T::of(1e-20)),
-        count: if sigma >= T::of(0.2) * spacing {
-            OUTLINE_NODES
-        } else {
-            1
-        },
-        level: level.to_u32().unwrap_or(0),
+        count,
     }
 }
 
 /// Place of node `i` in sigmas of the root.
 fn outline_place<T: Real>(sight: &OutlineSight<T>, i: u32) -> T {
-    let middle = T::of(0.5) * T::of(f64::from(sight.count - 1));
-    (T::of(f64::from(i)) - middle) * T::of(OUTLINE_STEP)
+    if sight.count == 1 {
+        return T::zero();
+    }
+    let count = T::of(f64::from(sight.count));
+    (T::of(f64::from(i)) + T::of(0.5)) * T::of(6.0) / count - T::of(3.0)
 }
 
 /// Root at which node `i` looks the outline up.
@@ -254,42 +247,25 @@ pub fn outline_root<T: Real>(sight: &OutlineSight<T>, i: u32) -> T {
     sight.root + outline_place(sight, i) * sight.sigma
 }
 
-/// What node `i` adds to the footprint's share inside; `reach`, its derivative and its variance there.
-pub fn outline_node<T: Real>(sight: &OutlineSight<T>, i: u32, reach: [T; 3]) -> T {
+/// Weight of node `i`, and its weighted share inside; `reach` and its derivative there. The sum of the second over that of the
+/// first is the footprint's share inside.
+pub fn outline_node<T: Real>(sight: &OutlineSight<T>, i: u32, reach: [T; 2]) -> [T; 2] {
     let t = outline_place(sight, i);
-    let (weight, width) = if sight.count == 1 {
-        (T::one(), T::one())
+    let step = T::of(6.0) / T::of(f64::from(sight.count));
+    let width = if sight.count == 1 {
+        T::one()
     } else {
-        let inner = t.abs() < T::of(OUTLINE_STEP);
-        let weight = OUTLINE_WEIGHTS[usize::from(!inner)];
-        (T::of(weight), T::of(OUTLINE_STEP * OUTLINE_STEP / 12.0))
+        step * step * T::of(1.0 / 12.0)
     };
     let steep = (reach[1] - sight.slope) * sight.sigma;
-    let deviation = (sight.rest + reach[2] + steep * steep * width).sqrt();
+    let deviation = (sight.rest + steep * steep * width).sqrt();
     let inside = reach[0] - sight.inset - sight.slope * t * sight.sigma;
-    weight * normal_share(inside / deviation)
-}
-
-/// Mean of stored values `spacing` apart, their slope, and the variance that a line of it leaves.
-pub fn outline_average<T: Real>(values: &[T], spacing: T) -> [T; 3] {
-    let number = |i: usize| T::of(i as f64);
-    let count = number(values.len());
-    let middle = (count - T::one()) * T::of(0.5);
-    let mean = values.iter().fold(T::zero(), |sum, value| sum + *value) / count;
-    let [mut around, mut along, mut wide] = [T::zero(); 3];
-    for (i, value) in values.iter().enumerate() {
-        let (x, y) = ((number(i) - middle) * spacing, *value - mean);
-        around = around + y * y / count;
-        along = along + x * y / count;
-        wide = wide + x * x / count;
-    }
-    let slope = along / wide.max(T::of(1e-20));
-    [mean, slope, (around - slope * along).max(T::zero())]
+    let weight = normal_density(t);
+    [weight, weight * normal_share(inside / deviation)]
 }
 
 /// Share of a footprint over the left vane inside an outline: `reach` gives how far the barb from a root reaches along x, and the
-/// derivative. A shader, which has no closures, loops over the nodes where its table is bound (`feather_cover.wgsl`), and has the averages
-/// stored (`render::pack`).
+/// derivative. A shader, which has no closures, loops over the nodes where its table is bound (`feather_cover.wgsl`).
 pub fn outline_share<T: Real>(
     f: &Footprint<T>,
     cotangent: T,
@@ -297,18 +273,11 @@ pub fn outline_share<T: Real>(
     reach: impl Fn(T) -> [T; 2],
 ) -> T {
     let sight = outline_sight(f, cotangent, spacing);
-    let averaged = |root: T| {
-        if sight.level == 0 {
-            let [there, slope] = reach(root);
-            return [there, slope, T::zero()];
-        }
-        let count = 1 << sight.level;
-        let middle = T::of(f64::from(count - 1) * 0.5);
-        let place = |i: i32| root + (T::of(f64::from(i)) - middle) * spacing;
-        let values: Vec<T> = (0..count).map(|i| reach(place(i))[0]).collect();
-        outline_average(&values, spacing)
-    };
-    let nodes =
-        (0..sight.count).map(|i| outline_node(&sight, i, averaged(outline_root(&sight, i))));
-    nodes.fold(T::zero(), |sum, node| sum + node)
+    let [mut total, mut sum] = [T::zero(); 2];
+    for i in 0..sight.count {
+        let [weight, share] = outline_node(&sight, i, reach(outline_root(&sight, i)));
+        total = total + weight;
+        sum = sum + share;
+    }
+    sum / total.max(T::of(1e-9))
 }

@@ -2,7 +2,6 @@
 
 use crate::{
     anatomy::{CONTOUR_ROWS, RACHIS_ROWS},
-    maths::query::OUTLINE_LEVELS,
     maths::scattering::{KEPT_AZIMUTHS, KEPT_LEVELS, SHEEN_TABLE_SIZE},
 };
 
@@ -33,8 +32,4 @@ pub const FEATHER_STRIDE: usize = HEADER_LENGTH
     + RACHIS_ROWS
     + CONTOUR_ROWS
     + SHEEN_TABLE_SIZE
-    + 16 * KEPT_LEVELS * KEPT_AZIMUTHS
-    + CONTOUR_LEVEL_ROWS;
-/// vec4s of the averages of a contour: the rows of each level, and one beyond either end.
-pub const CONTOUR_LEVEL_ROWS: usize =
-    CONTOUR_ROWS - (CONTOUR_ROWS >> OUTLINE_LEVELS) + 2 * OUTLINE_LEVELS as usize;
+    + 16 * KEPT_LEVELS * KEPT_AZIMUTHS;

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     anatomy::{Feather, Side},
-    maths::query::{CardVane, OUTLINE_LEVELS, Vane, outline_average, vane_shape},
+    maths::query::{CardVane, Vane, vane_shape},
     maths::scattering::{
         FIBRE_ROW_VEC4S, FIBRE_ROWS, Fibre, FibreTable, KEPT_AZIMUTHS, KEPT_LEVELS,
         SHORT_TABLE_VEC4S, kept_light, mean_caught, mirror_place, sheen_row,
@@ -160,24 +160,6 @@ impl Kept {
     }
 }
 
-/// Averages of a contour, level by level: both reaches, and the variance that a line leaves of each; a row beyond either end has its end.
-fn contour_levels(contour: &[[f32; 4]]) -> Vec<[f32; 4]> {
-    let mut rows = Vec::new();
-    let end = |row: Option<&[f32; 4]>| row.map_or([0.0; 4], |row| [row[0], row[1], 0.0, 0.0]);
-    for level in 1..=OUTLINE_LEVELS {
-        rows.push(end(contour.first()));
-        rows.extend(contour.chunks(1 << level).map(|chunk| {
-            let [left, right] = [0, 1].map(|side| {
-                let values: Vec<f32> = chunk.iter().map(|row| row[side]).collect();
-                outline_average(&values, 1.0)
-            });
-            [left[0], right[0], left[2], right[2]]
-        }));
-        rows.push(end(contour.last()));
-    }
-    rows
-}
-
 fn pack_feather(
     feather: &Feather,
     rows: &mut Vec<[f32; 4]>,
@@ -253,7 +235,6 @@ fn pack_feather(
     for (_, table) in &kept.faces {
         rows.extend_from_slice(table);
     }
-    rows.extend(contour_levels(&shape.contour));
     found.kept.push(kept);
     debug_assert_eq!(rows.len() - start, FEATHER_STRIDE);
 }

@@ -63,38 +63,6 @@ fn contour_between(base: u32, row: f32) -> vec4<f32> {
     return mix(feather_at(at), feather_at(at + 1u), row - f32(i));
 }
 
-// One level of the averages of the contour: its first row, its last place, values in one of its own, 1 where a row beyond either end is
-// among them and variances are.
-struct ContourAverages {
-    first: u32,
-    last: f32,
-    count: f32,
-    beyond: f32,
-}
-
-// Level 0 is the contour itself.
-fn contour_averages(base: u32, level: u32) -> ContourAverages {
-    let rows = data::CONTOUR_SAMPLES >> level;
-    if (level == 0u) {
-        return ContourAverages(base + data::HEADER_LENGTH + data::RACHIS_SAMPLES, f32(rows - 1u), 1.0, 0.0);
-    }
-    // The levels before have half of the samples, a quarter and so on, and two rows more each.
-    let first = data::CONTOUR_SAMPLES - 2u * rows + 2u * (level - 1u);
-    return ContourAverages(base + data::CONTOUR_LEVELS + first, f32(rows + 1u), f32(1u << level), 1.0);
-}
-
-// (reach, slope, variance) of one side at a row of the contour; `rows`: of a feather's length.
-fn contour_averaged(a: ContourAverages, row: f32, rows: f32, right: bool) -> vec3<f32> {
-    let place = clamp((row + 0.5) / a.count - 0.5 + a.beyond, 0.0, a.last);
-    let i = min(u32(place), u32(a.last) - 1u);
-    let near = feather_at(a.first + i);
-    let next = feather_at(a.first + i + 1u);
-    let low = select(near.xz, near.yw, right);
-    let high = select(next.xz, next.yw, right);
-    let there = mix(low, high, place - f32(i));
-    return vec3(there.x, (high.x - low.x) * rows / a.count, there.y * a.beyond);
-}
-
 // (aInv, bInv, R) of the sheen at a cosine of the eye: entry and fraction from sheen_place.
 fn sheen_at(base: u32, place: vec2<f32>) -> vec3<f32> {
     let at = base + data::HEADER_LENGTH + data::RACHIS_SAMPLES + data::CONTOUR_SAMPLES + min(u32(place.x), data::SHEEN_SAMPLES - 2u);

@@ -3,7 +3,7 @@
 #import bevy_pbr::mesh_view_bindings::view
 #import bevy_plumage::{
     anatomy::{barb_cotangent, barb_root, canonical_footprint},
-    feather_bindings::{contour_at, contour_averaged, contour_averages, feather_at, rachis_at, settings, shape_at},
+    feather_bindings::{contour_at, contour_between, feather_at, rachis_at, settings, shape_at},
     feather_data as data,
     feather_io::FeatherVertex,
     footprint::{Footprint, mirrored, widened},
@@ -80,12 +80,12 @@ fn cover_side(
     let last = f32(data::CONTOUR_SAMPLES - 1u);
     let sight = outline_sight(footprint, cotangent, (1.0 - shape.z) / last);
     let rows = last / max(1.0 - shape.z, 1e-3);
-    let averages = contour_averages(base, sight.level);
-    var share = 0.0;
+    var nodes = vec2(0.0);
     for (var i = 0u; i < select(0u, sight.count, shows); i++) {
-        share += outline_node(sight, i, contour_averaged(averages, (outline_root(sight, i) - shape.z) * rows, rows, right));
+        let there = contour_between(base, clamp((outline_root(sight, i) - shape.z) * rows, 0.0, last));
+        nodes += outline_node(sight, i, select(there.xz, there.yw, right));
     }
-    let outline = Outline(select(reach.xz, reach.yw, right), share);
+    let outline = Outline(select(reach.xz, reach.yw, right), nodes.y / max(nodes.x, 1e-9));
     // The right vane is the left one mirrored.
     let view = frame.local_eye * vec3(select(1.0, -1.0, right), 1.0, 1.0);
 #ifdef ONLY_FAR

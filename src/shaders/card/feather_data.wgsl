@@ -4,7 +4,7 @@
 
 // Buffer header: (feather count, first fibre table, fibre table count, first short table).
 const FEATHERS_BASE: u32 = 1u;
-// One feather: header, rachis table, contour table, sheen row, kept light, averages of the contour.
+// One feather: header, rachis table, contour table, sheen row, kept light.
 const HEADER_LENGTH: u32 = 46u;
 const RACHIS_SAMPLES: u32 = 64u;
 const CONTOUR_SAMPLES: u32 = 256u;
@@ -12,7 +12,7 @@ const SHEEN_SAMPLES: u32 = 32u;
 // Levels and azimuths of the eye's direction in the table of kept light.
 const KEPT_LEVELS: u32 = 10u;
 const KEPT_AZIMUTHS: u32 = 8u;
-const FEATHER_STRIDE: u32 = 1926u;
+const FEATHER_STRIDE: u32 = 1678u;
 // Inside the header.
 const SHAPE: u32 = 0u;       // aspect, length in metres, contour start, dark back
 const LEFT_VANE: u32 = 1u;   // 5: sin/cos of barb angle and barbule angle; p_b, d_bl, r_b, r_bd; r_bp, fringe, downy, kappa; e_root and one over
@@ -25,8 +25,6 @@ const CAUGHT: u32 = 44u;     // one over the integral of what the vane catches o
 const MIRRORS: u32 = 45u;    // azimuthal roughness of barbs, where their mirror lobes leave them; the same of barbules
 // After the header. Kept light: seen from front and back; of each of the four; from the eye's side and the other; level; azimuth.
 const KEPT: u32 = HEADER_LENGTH + RACHIS_SAMPLES + CONTOUR_SAMPLES + SHEEN_SAMPLES;
-// Of two, four, eight and sixteen rows, a row beyond either end at each level: (left and right reach, their variances).
-const CONTOUR_LEVELS: u32 = KEPT + 16u * KEPT_LEVELS * KEPT_AZIMUTHS;
 
 // Thin layers: flatness, slope, how much of the stack the inner side has, texels of a row.
 const STACK_SIDE: u32 = 0u;

@@ -72,10 +72,6 @@ struct Source {
     share: f32,
 }
 
-// Turns of a loop that stands for a branch. A software renderer runs both sides of every branch, but leaves out a loop that nothing enters;
-// to a GPU they are the same.
-fn once(taken: bool) -> u32 { return select(0u, 1u, taken); }
-
 fn directional_count() -> u32 { return vb::lights.n_directional_lights; }
 
 fn directional_source(f: Fragment, index: u32) -> Source {
@@ -132,8 +128,7 @@ fn clustered_source(f: Fragment, index: u32, is_spot: bool) -> Source {
     if (is_spot) {
         let cone = saturate(dot(-spot_axis(id), direction) * (*source).light_custom_data.z + (*source).light_custom_data.w);
         attenuation *= cone * cone;
-    }
-    for (var turn = once(shadowed && !is_spot); turn > 0u; turn--) {
+    } else if (shadowed) {
         attenuation *= shadows::fetch_point_shadow(id, f.position, lit_side(f, direction), f.frag_coord.xy);
     }
     let near = f.receives_shadow && ((*source).flags & mesh_view_types::POINT_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT) != 0u;
@@ -186,12 +181,12 @@ fn map_shadow(f: Fragment, source: Source, directional: bool, index: u32) -> f32
             place = spot_place(f, source.first, source.light.direction, normal);
         }
         var here = 1.0;
-        let soft = place.softness > 0.0;
-        for (var turn = once(place.inside && soft); turn > 0u; turn--) {
-            here = sample_shadow_map_pcss(place.uv, place.depth, place.layer, f.frag_coord.xy, place.texel, place.softness);
-        }
-        if (place.inside && !soft) {
-            here = sample_shadow_map(place.uv, place.depth, place.layer, f.frag_coord.xy, place.texel);
+        if (place.inside) {
+            if (place.softness > 0.0) {
+                here = sample_shadow_map_pcss(place.uv, place.depth, place.layer, f.frag_coord.xy, place.texel, place.softness);
+            } else {
+                here = sample_shadow_map(place.uv, place.depth, place.layer, f.frag_coord.xy, place.texel);
+            }
         }
         open = mix(open, here, select(source.share, 1.0, i == 0u));
     }
@@ -218,17 +213,15 @@ fn lights_of(f: Fragment) -> Lights {
 }
 
 fn light_at(f: Fragment, lights: Lights, index: u32) -> Light {
-    let rect = index >= lights.single;
+    if (index >= lights.single) {
+        let found = around::rect_sample(f.position.xyz, index - lights.single);
+        return Light(found.direction, found.irradiance);
+    }
     let directional = index < lights.directional;
     var source = Source();
-    if (rect) {
-        let found = around::rect_sample(f.position.xyz, index - lights.single);
-        source.light = Light(found.direction, found.irradiance);
-    }
     if (directional) {
         source = directional_source(f, index);
-    }
-    for (var turn = once(!rect && !directional); turn > 0u; turn--) {
+    } else {
         let at = lights.clustered.x + index - lights.directional;
         source = clustered_source(f, at, at >= lights.clustered.y);
     }

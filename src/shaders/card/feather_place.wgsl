@@ -79,8 +79,7 @@ fn turn_of(card: data::Card, first: u32, world_from_local: mat4x4<f32>, time: f3
     let eddies = motion_at(first + 1u);
     let region = motion_at(first + data::MOTION_REGIONS + min(data::card_region(card.feather), max(u32(eddies.w), 1u) - 1u));
     var lift = 0.0;
-    // A branch, as a loop: a software renderer runs both sides of a branch, but leaves out a loop that nothing enters.
-    for (var turn = select(0u, 1u, air.w + eddies.x > 0.0); turn > 0u; turn--) {
+    if (air.w + eddies.x > 0.0) {
         let breeze = Breeze(air.xyz, air.w, eddies.x, eddies.y, eddies.z);
         let root = (world_from_local * vec4(card.root, 1.0)).xyz;
         let along = (world_from_local * vec4(card.along, 0.0)).xyz;

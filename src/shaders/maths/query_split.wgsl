@@ -11,12 +11,8 @@
 const TAIL_SIGMAS: f32 = 2.5;
 // Beyond this many sigmas a line leaves all or nothing.
 const FAR_SIGMAS: f32 = 4.0;
-// Places at which an outline wider than a footprint's detail is looked up, and how often pairs of stored values are averaged at most.
-const OUTLINE_NODES: u32 = 4u;
-const OUTLINE_LEVELS: u32 = 4u;
-// Distance of the nodes in sigmas of the root; weights of the inner and the outer ones.
-const OUTLINE_STEP: f32 = 1.4;
-const OUTLINE_WEIGHTS: vec2<f32> = vec2(0.456175, 0.043825);
+// Most places at which the outline is looked up.
+const MAX_OUTLINE_NODES: u32 = 16u;
 
 // The half plane offset + gradient . x >= 0.
 struct Line {
@@ -124,7 +120,7 @@ fn outline_line(mean: vec2<f32>, reach: vec2<f32>, cotangent: f32) -> Line {
     return Line(reach.x + mean.x - dot(gradient, mean), gradient);
 }
 
-// How a footprint sees an outline that is stored by the roots of the barbs: where to look it up, `count` times, averaged over 2^level values.
+// How a footprint sees an outline that is stored by the roots of the barbs: where to look it up, `count` times.
 struct OutlineSight {
     // Root through the mean, its deviation; distance from the rachis there.
     root: f32,
@@ -134,25 +130,32 @@ struct OutlineSight {
     slope: f32,
     rest: f32,
     count: u32,
-    level: u32,
+    // Of the nodes in sigmas of the root: the first, their distance, the variance that each stands for.
+    first: f32,
+    step: f32,
+    width: f32,
 }
 
-// `cotangent` of the angle of the barbs; `spacing` of the stored values.
+// `cotangent` of the angle of the barbs; `spacing` of the stored values. A split may be narrower than the footprint.
 fn outline_sight(f: Footprint, cotangent: f32, spacing: f32) -> OutlineSight {
     let c = f.covariance;
     let variance = max(cotangent * (cotangent * c.x + c.y + c.y) + c.z, 1e-20);
     let sigma = sqrt(variance);
     let slope = -(cotangent * c.x + c.y) / variance;
-    let level = clamp(floor(log2(OUTLINE_STEP * sigma / spacing) + 0.5), 0.0, f32(OUTLINE_LEVELS));
-    return OutlineSight(
-        f.mean.y + f.mean.x * cotangent, sigma, -f.mean.x, slope, max(c.x - slope * slope * variance, 1e-20),
-        select(1u, OUTLINE_NODES, sigma >= 0.2 * spacing), u32(level),
-    );
+    var s = OutlineSight(f.mean.y + f.mean.x * cotangent, sigma, -f.mean.x, slope, max(c.x - slope * slope * variance, 1e-20), 1u, 0.0, 0.0, 1.0);
+    if sigma >= 0.2 * spacing {
+        let count = clamp(ceil(3.3 * sigma / spacing), 8.0, f32(MAX_OUTLINE_NODES));
+        s.count = u32(count);
+        s.step = 6.0 / count;
+        s.first = 0.5 * s.step - 3.0;
+        s.width = s.step * s.step * (1.0 / 12.0);
+    }
+    return s;
 }
 
 // Place of node `i` in sigmas of the root.
 fn outline_place(s: OutlineSight, i: u32) -> f32 {
-    return (f32(i) - 0.5 * f32(s.count - 1u)) * OUTLINE_STEP;
+    return s.first + f32(i) * s.step;
 }
 
 // Root at which node `i` looks the outline up.
@@ -160,15 +163,13 @@ fn outline_root(s: OutlineSight, i: u32) -> f32 {
     return s.root + outline_place(s, i) * s.sigma;
 }
 
-// What node `i` adds to the footprint's share inside; `reach`, its derivative and its variance there.
-fn outline_node(s: OutlineSight, i: u32, reach: vec3<f32>) -> f32 {
+// Weight of node `i`, and its weighted share inside; `reach` and its derivative there. The sum of the second over that of the
+// first is the footprint's share inside.
+fn outline_node(s: OutlineSight, i: u32, reach: vec2<f32>) -> vec2<f32> {
     let t = outline_place(s, i);
-    let several = s.count > 1u;
-    let weight = select(1.0, select(OUTLINE_WEIGHTS.y, OUTLINE_WEIGHTS.x, abs(t) < OUTLINE_STEP), several);
-    let width = select(1.0, OUTLINE_STEP * OUTLINE_STEP / 12.0, several);
     let steep = (reach.y - s.slope) * s.sigma;
-    let inside = reach.x - s.inset - s.slope * t * s.sigma;
-    return weight * normal_share(inside * inverseSqrt(s.rest + reach.z + steep * steep * width));
+    let share = normal_share((reach.x - s.inset - s.slope * t * s.sigma) * inverseSqrt(s.rest + steep * steep * s.width));
+    return normal_density(t) * vec2(1.0, share);
 }
 
 // Share of a footprint that the rachis hides; `edges` from mask_rachis.
