@@ -37,7 +37,7 @@ pub struct Job {
     /// It writes depth.
     pub writes_depth: bool,
     /// `VkShaderStageFlagBits`, entry point and code.
-    pub stages: Vec<(u32, &'static str, Compiled)>,
+    pub stages: Vec<(u32, String, Compiled)>,
 }
 
 /// Builds the program that drives the compiler.

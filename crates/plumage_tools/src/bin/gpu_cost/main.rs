@@ -7,6 +7,10 @@
 
 mod compose;
 mod device;
+mod frames;
+mod instrument;
+mod pictures;
+mod spirv;
 mod variants;
 
 use clap::Parser;
@@ -52,6 +56,15 @@ struct Args {
     /// Write the table into benches/results, too
     #[arg(long)]
     save: bool,
+    /// Count what frames of these pictures run on a software renderer, instead: `hero`, `far`, `eagle`, `closeup`; the examples must be built
+    #[arg(long, num_args = 1.., value_name = "PICTURE")]
+    pictures: Vec<String>,
+    /// Of the examples, for those pictures: `alpha-to-coverage` (four samples), `hashed` (one)
+    #[arg(long, default_value = "alpha-to-coverage")]
+    transparency: String,
+    /// Size of those pictures
+    #[arg(long, default_value = "1920x1080")]
+    size: String,
 }
 
 fn root() -> PathBuf {
@@ -145,7 +158,7 @@ fn measure(
             if known.insert(made.words.clone(), name.clone()).is_none() {
                 fresh.push((name.clone(), bit));
             }
-            stages.push((bit, stage.entry, made));
+            stages.push((bit, stage.entry.to_owned(), made));
         }
         if fresh.is_empty() {
             continue;
@@ -246,6 +259,17 @@ fn main() -> Result<()> {
     let folder = root().join("target/gpu_cost");
     fs::create_dir_all(&folder)?;
     let folder = folder.canonicalize()?;
+    let date = output_of("date", &["+%F"])?;
+    let commit = output_of("git", &["describe", "--always", "--dirty", "--exclude=*"])
+        .unwrap_or_else(|_| "unknown".into());
+    if !args.pictures.is_empty() {
+        let text = pictures::run(&args, &folder, &format!("{date}, commit {commit}"))?;
+        return save(
+            &args,
+            &format!("{date}_gpu_frames_{}", args.transparency),
+            &text,
+        );
+    }
     let mut pipelines = variants::all();
     pipelines.retain(|p| (args.all || p.usual) && p.name.contains(&args.only));
     let shaders = args
@@ -263,9 +287,6 @@ fn main() -> Result<()> {
         (None, None) => None,
     };
     let (device, rows, code) = measure(&args, &shaders, &pipelines, &folder)?;
-    let date = output_of("date", &["+%F"])?;
-    let commit = output_of("git", &["describe", "--always", "--dirty", "--exclude=*"])
-        .unwrap_or_else(|_| "unknown".into());
     let same = before
         .as_ref()
         .map_or(String::new(), |(_, _, before)| same_code(before, &code));
@@ -277,10 +298,15 @@ fn main() -> Result<()> {
          Vertex stages appear with the first pipeline that has them.\n\n{}",
         table(before.as_deref(), &rows)? + &same
     );
+    save(&args, &format!("{date}_gpu_cost_{}", args.family), &text)
+}
+
+/// Prints, and writes if asked.
+fn save(args: &Args, name: &str, text: &str) -> Result<()> {
     print!("{text}");
     if args.save {
-        let name = format!("benches/results/{date}_gpu_cost_{}.md", args.family);
-        fs::write(root().join(&name), &text)?;
+        let name = format!("benches/results/{name}.md");
+        fs::write(root().join(&name), text)?;
         println!("\nwritten to {name}");
     }
     Ok(())
