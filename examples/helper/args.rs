@@ -37,7 +37,7 @@ pub enum Scene {
     Studio,
     /// A branch at the edge of a wood.
     Forest,
-    /// A dead branch over a ledge, in the morning.
+    /// A dead branch above hills, in the morning.
     Cliff,
     /// An old branch at dusk.
     Dusk,

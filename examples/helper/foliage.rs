@@ -1,4 +1,4 @@
-//! What grows around a perch, as meshes with colors: twigs, leaves, tufts of grass or of lichen, a rock.
+//! What grows around a perch, as meshes with colors: twigs, leaves, tufts.
 
 use super::noise::{Dice, fractal, noise};
 use bevy::{
@@ -6,7 +6,7 @@ use bevy::{
     mesh::{Indices, PrimitiveTopology},
     prelude::*,
 };
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::TAU;
 
 /// Rings of a leaf along it and points across it.
 const LEAF: [u32; 2] = [64, 25];
@@ -137,36 +137,6 @@ impl Growth {
                 (position, low.lerp(tip, t) * tone)
             });
         }
-    }
-
-    /// A crag; metres.
-    pub fn rock(&mut self, middle: Vec3, size: Vec3) {
-        self.sheet([220, 321], |t, u| {
-            let (polar, around) = (PI * t, TAU * u);
-            let n = Vec3::new(
-                polar.sin() * around.cos(),
-                polar.cos(),
-                polar.sin() * around.sin(),
-            );
-            let slow = fractal(n * 1.7 + Vec3::splat(3.0), 3);
-            // Beds, cracked across them.
-            let bed = (9.0 * n.y + 2.2 * slow).fract();
-            let ledge = (bed / 0.8).min((1.0 - bed) / 0.2);
-            let crack = (1.0 - (16.0 * fractal(n * 3.1 + Vec3::splat(8.0), 3)).abs()).max(0.0);
-            let fine = fractal(n * 24.0, 2);
-            let r = 1.0 + 0.34 * slow + 0.035 * ledge - 0.035 * crack + 0.010 * fine;
-            let grain = fractal(n * 90.0, 3);
-            let mut color = Vec3::new(0.22, 0.195, 0.17) * (1.0 + 0.5 * grain + 0.5 * slow);
-            color *= (0.75 + 0.25 * ledge) * (1.0 - 0.6 * crack);
-            let lichen = ((fractal(n * 5.0 + Vec3::splat(31.0), 5) - 0.20) / 0.06).clamp(0.0, 1.0);
-            let hue = if slow > 0.05 {
-                Vec3::new(0.42, 0.27, 0.07)
-            } else {
-                Vec3::new(0.34, 0.35, 0.30)
-            };
-            color = color.lerp(hue * (0.8 + 0.6 * grain), 0.55 * lichen);
-            (middle + n * r * size, color)
-        });
     }
 }
 

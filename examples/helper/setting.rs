@@ -219,7 +219,7 @@ impl Setting {
             }),
             ev100: 11.6,
             tone: Tonemapping::KhronosPbrNeutral,
-            saturation: 0.985,
+            saturation: 0.972,
             bark: true,
             surroundings: Surroundings::Leaves,
             blades: &LEAF,
@@ -228,7 +228,7 @@ impl Setting {
         }
     }
 
-    /// A dead branch over a ledge in the morning, hills behind.
+    /// A dead branch in the morning, hills behind and straw before it.
     fn ledge() -> Self {
         Self {
             key: Lamp {
@@ -257,7 +257,7 @@ impl Setting {
             tone: Tonemapping::KhronosPbrNeutral,
             saturation: 0.95,
             bark: true,
-            surroundings: Surroundings::Ledge,
+            surroundings: Surroundings::Dead,
             blades: &STRAW,
             fitted_shadows: true,
             aperture: 0.008,

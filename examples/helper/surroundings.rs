@@ -1,4 +1,4 @@
-//! Which twigs, leaves, grass and rock stand around a perch in which scene. They keep to the borders of every shot's picture.
+//! Which twigs, leaves and shrubs of lichen stand around a perch in which scene. They keep to the borders of every shot's picture.
 
 use super::{branch::axis, foliage::Growth, noise::Dice};
 use bevy::prelude::*;
@@ -16,11 +16,11 @@ pub enum Surroundings {
     Leaves,
     /// Dry twigs and a few old leaves.
     Dry,
-    /// Dry twigs; a ledge of rock at one end, with grass.
-    Ledge,
+    /// Dry twigs alone.
+    Dead,
 }
 
-/// Perches and rock, and what light shines through.
+/// Twigs, and what light shines through.
 pub struct Grown {
     /// Opaque.
     pub solid: Option<Mesh>,
@@ -114,9 +114,6 @@ pub fn grow(what: Surroundings, radius: f32, length: f32) -> Grown {
             }
         }
     }
-    if what == Surroundings::Ledge {
-        ledge(&mut solid, &mut thin, &mut dice);
-    }
     if what != Surroundings::Bare {
         shrubs(&mut thin, radius, length, &mut dice);
     }
@@ -145,20 +142,6 @@ fn leaf(
     let place = Transform::from_translation(foot).with_rotation(turned);
     let tone = green * (0.75 + 0.6 * dice.roll());
     thin.leaf(place, size * (0.095 + 0.055 * dice.roll()), tone, dice);
-}
-
-/// Rock under the left end, with dry grass on it.
-fn ledge(solid: &mut Growth, thin: &mut Growth, dice: &mut Dice) {
-    let (middle, size) = (Vec3::new(-0.90, -0.86, -0.06), Vec3::new(0.38, 0.84, 0.36));
-    solid.rock(middle, size);
-    let straw = [Vec3::new(0.16, 0.14, 0.05), Vec3::new(0.36, 0.28, 0.13)];
-    for _ in 0..14 {
-        let (x, z) = (0.5 * dice.roll() - 0.1, dice.roll() - 0.5);
-        let up = (1.0 - x * x - z * z).max(0.0).sqrt();
-        let foot = middle + size * Vec3::new(x, up - 0.05, z);
-        let tall = 0.10 + 0.10 * dice.roll();
-        thin.tuft(foot, [34.0, 0.6], [tall, 0.0011], straw, dice);
-    }
 }
 
 /// Small shrubs of lichen on the upper side, clear of where feet stand.
