@@ -245,9 +245,9 @@ impl Setting {
             fill: [1700.0, 1700.0],
             backdrop: Some(Backdrop {
                 colors: [
-                    Vec3::new(0.052, 0.058, 0.046),
-                    Vec3::new(0.205, 0.275, 0.360),
-                    Vec3::new(0.430, 0.385, 0.325),
+                    Vec3::new(0.018, 0.021, 0.017),
+                    Vec3::new(0.046, 0.060, 0.076),
+                    Vec3::new(0.098, 0.086, 0.070),
                 ],
                 discs: (0, 0.0),
                 gaps: false,

@@ -392,10 +392,12 @@ pub fn instrument(
             }
             _ => {}
         }
-        if i[0] == op::RETURN && function == entry {
-            if let Some(tested) = &tested {
-                own.leave(&mut code, tested, passes);
-            }
+        if i[0] == op::RETURN
+            && function == entry
+            && let Some(tested) = &tested
+        {
+            own.leave(&mut code, tested, passes);
+        }
         }
         code.push(i);
     }
