@@ -398,7 +398,6 @@ pub fn instrument(
         {
             own.leave(&mut code, tested, passes);
         }
-        }
         code.push(i);
     }
     // In front: capabilities, the extension, 64-bit pointers, the helper among the interface.
