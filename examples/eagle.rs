@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use bevy_plumage::prelude::*;
 use helper::{
     Args,
-    camera::{HeadShot, Shots, shot},
+    camera::{Shots, shot},
     scene,
 };
 
@@ -19,17 +19,15 @@ const SHOTS: Shots = Shots {
     macro_: shot([0.05, 0.38, 0.08], [0.08, 0.39, 0.13], 20.0),
     full: shot([0.0, 0.18, -0.1], [2.3, 0.45, 0.35], 24.0),
     back: shot([0.0, 0.18, -0.05], [-0.9, 0.75, -1.9], 24.0),
+    head: Some(shot([0.0, 0.455, 0.03], [0.95, 0.52, 1.05], 12.0)),
     far: shot([0.0, 0.2, 0.0], [3.9, 1.1, 5.2], 24.0),
 };
-
-const HEAD: HeadShot = HeadShot(shot([0.0, 0.455, 0.03], [0.95, 0.52, 1.05], 12.0));
 
 fn main() -> AppExit {
     helper::run("eagle", |app| {
         let path = app.world().resource::<Args>().path;
         app.add_plugins(PlumagePlugins.set(FeatherRenderPlugin { path }))
             .insert_resource(SHOTS)
-            .insert_resource(HEAD)
             .add_systems(Startup, setup);
     })
 }

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use bevy_plumage::prelude::*;
 use helper::{
     Args,
-    camera::{HeadShot, Shots, shot},
+    camera::{Shots, shot},
     scene,
 };
 
@@ -19,17 +19,15 @@ const SHOTS: Shots = Shots {
     macro_: shot([0.02, 0.26, 0.055], [0.035, 0.262, 0.115], 20.0),
     full: shot([0.0, 0.13, -0.03], [1.2, 0.24, 0.2], 20.0),
     back: shot([0.0, 0.13, -0.02], [-0.45, 0.4, -1.05], 20.0),
+    head: Some(shot([0.0, 0.237, 0.02], [0.34, 0.27, 0.95], 10.0)),
     far: shot([0.0, 0.12, 0.0], [2.0, 0.6, 2.6], 24.0),
 };
-
-const HEAD: HeadShot = HeadShot(shot([0.0, 0.237, 0.02], [0.34, 0.27, 0.95], 10.0));
 
 fn main() -> AppExit {
     helper::run("owl", |app| {
         let path = app.world().resource::<Args>().path;
         app.add_plugins(PlumagePlugins.set(FeatherRenderPlugin { path }))
             .insert_resource(SHOTS)
-            .insert_resource(HEAD)
             .add_systems(Startup, setup);
     })
 }

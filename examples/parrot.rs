@@ -10,7 +10,7 @@ use bevy_plumage::prelude::*;
 use helper::{
     Args,
     args::Scene,
-    camera::{HeadShot, Shots, shot},
+    camera::{Shots, shot},
     scene,
 };
 
@@ -20,17 +20,15 @@ const SHOTS: Shots = Shots {
     macro_: shot([-0.16, 0.20, 0.05], [-0.111, 0.219, 0.113], 20.0),
     full: shot([0.0, -0.035, -0.13], [2.42, 0.3, 1.08], 16.5),
     back: shot([0.0, -0.03, -0.1], [-0.9, 0.6, -2.3], 19.0),
+    head: Some(shot([0.17, 0.285, 0.06], [0.95, 0.39, 1.15], 12.0)),
     far: shot([0.0, 0.05, -0.05], [3.9, 1.1, 5.2], 27.0),
 };
-
-const HEAD: HeadShot = HeadShot(shot([0.17, 0.215, 0.06], [0.95, 0.32, 1.15], 9.6));
 
 fn main() -> AppExit {
     helper::run("parrot", |app| {
         let path = app.world().resource::<Args>().path;
         app.add_plugins(PlumagePlugins.set(FeatherRenderPlugin { path }))
             .insert_resource(SHOTS)
-            .insert_resource(HEAD)
             .add_systems(Startup, setup);
     })
 }

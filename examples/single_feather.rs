@@ -42,6 +42,7 @@ fn main() -> AppExit {
             macro_: shot(middle, Vec3::new(0.0004, -0.0006, 0.005)),
             full: shot(middle, Vec3::new(0.0, 0.0, 0.85)),
             back: shot(middle, Vec3::new(-0.15, 0.05, -0.80)),
+            head: None,
             far: shot(middle, Vec3::new(0.3, 0.2, 2.6)),
         })
         .add_systems(Startup, load)

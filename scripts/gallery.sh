@@ -30,6 +30,7 @@ those of the whole bird, scales those of the bird whatever the size of the pictu
 | picture | line | what | found | wanted | |
 |---|---|---|---|---|---|
 TEXT
+sed -i "s|(in .target/gallery.)|($size, $samples frames, in \`target/gallery\`)|" "$table"
 judge() { # bird, view, picture
     ${CARGO:-cargo} run -q -p plumage_tools --bin picture_judge -- "$1" "$2" "$large/$3.png" "$large/masks/$3.png" >>"$table" || true
 }

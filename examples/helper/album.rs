@@ -2,7 +2,7 @@
 
 use super::{
     Args, Shot,
-    camera::{self, HeadShot, Orbit, Shots},
+    camera::{self, Orbit, Shots},
     headless, scene, stats,
 };
 use bevy::prelude::*;
@@ -68,8 +68,7 @@ fn write(path: &Path, text: &str) -> Result<(), String> {
 /// Moves the camera to a shot. Returns what a pixel measures at its target, metres.
 fn aim(app: &mut App, shot: Shot, args: &Args) -> f32 {
     let world = app.world_mut();
-    let head = world.get_resource::<HeadShot>().copied();
-    let framing = world.resource::<Shots>().framing(shot, head.as_ref());
+    let framing = world.resource::<Shots>().framing(shot);
     let (place, lens) = camera::place(framing, args);
     let away = place.translation.distance(framing.target);
     let mut cameras = world.query_filtered::<Entity, (With<Camera3d>, With<Orbit>)>();

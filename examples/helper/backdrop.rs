@@ -34,9 +34,17 @@ pub struct Backdrop {
     pub ridges: u32,
 }
 
-/// What hangs on a camera and fills its picture: metres behind the subject, or, below 0, less a share of the way to it.
+/// Haze over the furthest ridge; the nearest has none.
+const HAZE: f32 = 0.75;
+
+/// What hangs on a camera and fills its picture.
 #[derive(Component, Clone, Copy, Debug)]
-pub struct Hung(pub f32);
+pub enum Hung {
+    /// Metres behind the subject.
+    Behind(f32),
+    /// At a share of the way to it.
+    Before(f32),
+}
 
 impl Backdrop {
     fn paint(&self, width: usize, seed: u32) -> Vec<Vec3> {
@@ -76,12 +84,7 @@ impl Backdrop {
         }
         picture
     }
-}
 
-/// Haze over the furthest ridge; the nearest has none.
-const HAZE: f32 = 0.75;
-
-impl Backdrop {
     /// A sky that pales towards the horizon, and ridges, the nearer the darker.
     fn paint_ridges(&self, picture: &mut [Vec3], width: usize) {
         let [dark, middle, light] = self.colors;
@@ -177,19 +180,41 @@ pub fn hang(
         RenderAssetUsages::RENDER_WORLD,
     ));
     for camera in &cameras {
-        commands.entity(camera).with_child((
-            Hung(BEHIND),
-            Mesh3d(meshes.add(Rectangle::new(aspect, 1.0))),
-            MeshMaterial3d(materials.add(StandardMaterial {
-                base_color_texture: Some(image.clone()),
-                unlit: true,
-                ..default()
-            })),
-            Transform::default(),
-            NotShadowCaster,
-            NotShadowReceiver,
-        ));
+        let hung = Hung::Behind(BEHIND);
+        let picture = sheet(
+            hung,
+            aspect,
+            &image,
+            AlphaMode::Opaque,
+            &mut meshes,
+            &mut materials,
+        );
+        commands.entity(camera).with_child(picture);
     }
+}
+
+/// A picture as wide as `aspect` times its height, which hangs on a camera and throws and receives no shadow.
+pub fn sheet(
+    hung: Hung,
+    aspect: f32,
+    image: &Handle<Image>,
+    alpha_mode: AlphaMode,
+    meshes: &mut Assets<Mesh>,
+    materials: &mut Assets<StandardMaterial>,
+) -> impl Bundle {
+    (
+        hung,
+        Mesh3d(meshes.add(Rectangle::new(aspect, 1.0))),
+        MeshMaterial3d(materials.add(StandardMaterial {
+            base_color_texture: Some(image.clone()),
+            alpha_mode,
+            unlit: true,
+            ..default()
+        })),
+        Transform::default(),
+        NotShadowCaster,
+        NotShadowReceiver,
+    )
 }
 
 /// Keeps what hangs on a camera in its picture, wherever it stands and through whatever lens it looks.
@@ -203,11 +228,10 @@ pub fn fit(
         };
         let distance = transform.translation.distance(orbit.target);
         let mut all = hung.iter_many_mut(children);
-        while let Some((Hung(behind), mut place)) = all.fetch_next() {
-            let away = if *behind < 0.0 {
-                distance * (1.0 + behind)
-            } else {
-                distance + behind
+        while let Some((hung, mut place)) = all.fetch_next() {
+            let away = match *hung {
+                Hung::Behind(metres) => distance + metres,
+                Hung::Before(share) => distance * share,
             };
             // A little larger than the picture, which a jittered camera moves.
             let tall = 2.1 * away * (0.5 * lens.fov).tan();

@@ -28,10 +28,6 @@ pub const fn shot(target: [f32; 3], eye: [f32; 3], fov: f32) -> Framing {
     }
 }
 
-/// The shot of head and neck, of an example that has one.
-#[derive(Resource, Clone, Copy, Debug)]
-pub struct HeadShot(pub Framing);
-
 /// The shots of one example.
 #[derive(Resource, Clone, Copy, Debug)]
 pub struct Shots {
@@ -45,6 +41,8 @@ pub struct Shots {
     pub full: Framing,
     /// From behind.
     pub back: Framing,
+    /// Portrait of a head; the close-up where there is none.
+    pub head: Option<Framing>,
     /// Far away.
     pub far: Framing,
 }
@@ -59,14 +57,15 @@ impl Shots {
             macro_: shot(0.2, 0.08, 0.16, 18.0),
             full: shot(2.0, 0.2, 0.0, 18.0),
             back: shot(-1.0, 0.6, -1.5, 18.0),
+            head: None,
             far: shot(3.0, 1.0, 4.0, 24.0),
         }
     }
 
     /// The shot of that name.
-    pub fn framing(&self, shot: Shot, head: Option<&HeadShot>) -> Framing {
+    pub fn framing(&self, shot: Shot) -> Framing {
         match shot {
-            Shot::Head => head.map_or(self.closeup, |head| head.0),
+            Shot::Head => self.head.unwrap_or(self.closeup),
             Shot::Hero => self.hero,
             Shot::Closeup => self.closeup,
             Shot::Macro => self.macro_,
@@ -127,12 +126,11 @@ fn spawn_camera(
     mut commands: Commands,
     args: Res<Args>,
     shots: Res<Shots>,
-    head: Option<Res<HeadShot>>,
     sky: Res<Sky>,
     setting: Res<Setting>,
     off_screen: Option<Res<OffScreen>>,
 ) {
-    let framing = shots.framing(args.camera, head.as_deref());
+    let framing = shots.framing(args.camera);
     let mut camera = commands.spawn((
         Camera3d::default(),
         Hdr,

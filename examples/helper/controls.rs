@@ -3,7 +3,7 @@
 use super::{
     Args, Shot,
     args::VIEWS,
-    camera::{HeadShot, Orbit, Shots, place},
+    camera::{Orbit, Shots, place},
     help::{Help, announce, keep_in_front, show_help, toggle_help},
 };
 use bevy::{
@@ -93,7 +93,6 @@ fn press_keys(
     keys: Res<ButtonInput<KeyCode>>,
     args: Res<Args>,
     shots: Res<Shots>,
-    head: Option<Res<HeadShot>>,
     mut cameras: Query<(&mut Transform, &mut Projection, &mut Orbit)>,
     mut players: Query<&mut AnimationPlayer>,
     mut qualities: Query<&mut FeatherQuality>,
@@ -114,7 +113,7 @@ fn press_keys(
         (KeyCode::Digit7, Shot::Head),
     ];
     for (_, shot) in digits.iter().filter(|(key, _)| keys.just_pressed(*key)) {
-        let framing = shots.framing(*shot, head.as_deref());
+        let framing = shots.framing(*shot);
         for (mut transform, mut projection, mut orbit) in &mut cameras {
             (*transform, *projection) = place(framing, &args);
             orbit.target = framing.target;

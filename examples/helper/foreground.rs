@@ -1,18 +1,25 @@
 //! What stands before the subject, far out of focus: blades as soft shapes in a picture hung on the camera. A lens sampled a few times
 //! would draw such things as so many copies.
 
-use super::{Args, backdrop::Hung, camera::Orbit, setting::Setting};
+use super::{
+    Args,
+    backdrop::{Hung, sheet},
+    camera::Orbit,
+    setting::Setting,
+};
 use bevy::{
     asset::RenderAssetUsages,
-    light::{NotShadowCaster, NotShadowReceiver},
     prelude::*,
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
 
 /// Rows of the picture: its softest edges need no more.
 const ROWS: u32 = 192;
-/// Share of the way to the subject at which it hangs, less one.
-const BEFORE: f32 = -0.45;
+/// Share of the way to the subject at which it hangs.
+const BEFORE: f32 = 0.55;
+
+/// Width over height of the picture that blades are placed in; wider ones stretch them.
+const FOUR_TO_THREE: f32 = 4.0 / 3.0;
 
 /// A leaf or a blade of grass out of focus; places in heights of the picture from its middle, x to the right, y up.
 #[derive(Clone, Copy, Debug)]
@@ -83,14 +90,12 @@ pub fn hang(
         .flat_map(|i| {
             let pixel = Vec2::new((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
             let place = Vec2::new(
-                pixel.x / ROWS as f32 - 0.5 * aspect,
+                FOUR_TO_THREE * (pixel.x / width as f32 - 0.5),
                 0.5 - pixel.y / ROWS as f32,
             );
             // Colors go on where nothing is drawn, lest edges darken.
             let (mut sum, mut weight, mut clear) = (Vec3::ZERO, 0.0, 1.0);
             for blade in blades {
-                let place =
-                    Vec2::new(place.x / (0.5 * aspect), place.y) * Vec2::new(2.0 / 3.0, 1.0);
                 let (color, cover) = blade.at(place);
                 sum += color * (cover + 1.0e-4);
                 weight += cover + 1.0e-4;
@@ -113,18 +118,15 @@ pub fn hang(
         RenderAssetUsages::RENDER_WORLD,
     ));
     for camera in &cameras {
-        commands.entity(camera).with_child((
-            Hung(BEFORE),
-            Mesh3d(meshes.add(Rectangle::new(aspect, 1.0))),
-            MeshMaterial3d(materials.add(StandardMaterial {
-                base_color_texture: Some(image.clone()),
-                alpha_mode: AlphaMode::Blend,
-                unlit: true,
-                ..default()
-            })),
-            Transform::default(),
-            NotShadowCaster,
-            NotShadowReceiver,
-        ));
+        let hung = Hung::Before(BEFORE);
+        let picture = sheet(
+            hung,
+            aspect,
+            &image,
+            AlphaMode::Blend,
+            &mut meshes,
+            &mut materials,
+        );
+        commands.entity(camera).with_child(picture);
     }
 }

@@ -56,6 +56,7 @@ pub fn setup(app: &mut App) -> bool {
         macro_: from(Vec3::Z, 0.05),
         full: from(Vec3::new(0.15, -0.1, 1.0), 1.05),
         back: from(Vec3::NEG_Z, 1.0),
+        head: None,
         far: from(Vec3::Z, 3.0),
     })
     .insert_resource(pair)

@@ -27,8 +27,7 @@ impl Plugin for ScenePlugin {
         app.add_systems(Startup, spawn_lights)
             .add_systems(PostUpdate, fit_shadows)
             .add_observer(grow_perch)
-            .add_observer(start_idle)
-            .add_observer(mark_bodies);
+            .add_observer(start_idle);
     }
 }
 
@@ -245,27 +244,6 @@ fn start_idle(
             Some(time) => active.seek_to(time + idle.1).pause(),
             None => active.seek_to(idle.1),
         };
-    }
-}
-
-/// In the view by card numbers, bill, eyes, feet and bare skin are black: neither feathers nor what lies behind the bird.
-fn mark_bodies(
-    ready: On<WorldInstanceReady>,
-    args: Res<Args>,
-    birds: Query<(), With<Idle>>,
-    children: Query<&Children>,
-    bodies: Query<&MeshMaterial3d<StandardMaterial>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-) {
-    if args.view != DebugView::Card || !birds.contains(ready.entity) {
-        return;
-    }
-    for body in bodies.iter_many(children.iter_descendants(ready.entity)) {
-        if let Some(mut material) = materials.get_mut(&body.0) {
-            material.base_color = Color::BLACK;
-            material.base_color_texture = None;
-            material.unlit = true;
-        }
     }
 }
 

@@ -49,13 +49,13 @@ const COURSES: [Course; 4] = [
             Vec3::new(-0.05, -0.15, 0.028),
         ],
     ),
-    // From the right end, hanging: below the birds of the front and before those of the side.
+    // From the right end, hanging: below the birds of the front, beside the tails of the side.
     Course(
-        0.57,
+        0.55,
         [
-            Vec3::new(0.015, -0.03, 0.035),
-            Vec3::new(0.045, -0.085, 0.06),
-            Vec3::new(0.055, -0.15, 0.065),
+            Vec3::new(0.02, -0.03, -0.03),
+            Vec3::new(0.06, -0.08, -0.07),
+            Vec3::new(0.085, -0.13, -0.09),
         ],
     ),
     Course(
@@ -72,51 +72,53 @@ const COURSES: [Course; 4] = [
 pub fn grow(what: Surroundings, radius: f32, length: f32) -> Grown {
     let (mut solid, mut thin) = (Growth::default(), Growth::default());
     let mut dice = Dice(11);
-    if what != Surroundings::Bare {
-        // Shorter perches are for smaller birds, whose pictures end sooner.
-        let spread = ((length - 1.1) / 1.1).clamp(0.3, 1.0);
-        for (i, Course(x, joints)) in COURSES.iter().enumerate() {
-            let foot = axis(spread * x, radius);
-            let joints: Vec<Vec3> = [Vec3::ZERO]
-                .iter()
-                .chain(joints)
-                .map(|joint| foot + *joint * (0.35 + 0.65 * spread))
-                .collect();
-            let thick = (0.14 * radius).clamp(0.0022, 0.0042);
-            let bark = match what {
-                Surroundings::Leaves => Vec3::new(0.085, 0.075, 0.040),
-                _ => Vec3::new(0.17, 0.14, 0.11),
-            };
-            solid.twig(&joints, thick, bark);
-            let size = 0.45 + 0.55 * spread;
-            let leaves = match what {
-                Surroundings::Leaves => 4,
-                Surroundings::Dry => 2 - u32::from(i % 2 == 1),
-                _ => 0,
-            };
-            let green = match what {
-                Surroundings::Leaves => Vec3::new(0.070, 0.150, 0.026),
-                _ => Vec3::new(0.17, 0.095, 0.035),
-            };
-            for k in 0..leaves {
-                let at = (k + 2) as usize;
-                let (a, b) = (joints[(at - 1).min(2)], joints[at.min(3)]);
-                let foot = a.lerp(b, if k < 2 { 0.55 } else { 0.96 });
-                leaf(
-                    &mut thin,
-                    foot,
-                    (b - a).normalize_or(Vec3::Y),
-                    k,
-                    size,
-                    green,
-                    &mut dice,
-                );
-            }
+    if what == Surroundings::Bare {
+        return Grown {
+            solid: None,
+            thin: None,
+        };
+    }
+    // Shorter perches are for smaller birds, whose pictures end sooner.
+    let spread = ((length - 1.1) / 1.1).clamp(0.3, 1.0);
+    for (i, Course(x, joints)) in COURSES.iter().enumerate() {
+        let foot = axis(spread * x, radius);
+        let joints: Vec<Vec3> = [Vec3::ZERO]
+            .iter()
+            .chain(joints)
+            .map(|joint| foot + *joint * (0.35 + 0.65 * spread))
+            .collect();
+        let thick = (0.14 * radius).clamp(0.0022, 0.0042);
+        let bark = match what {
+            Surroundings::Leaves => Vec3::new(0.085, 0.075, 0.040),
+            _ => Vec3::new(0.17, 0.14, 0.11),
+        };
+        solid.twig(&joints, thick, bark);
+        let size = 0.45 + 0.55 * spread;
+        let leaves = match what {
+            Surroundings::Leaves => 4,
+            Surroundings::Dry => 2 - u32::from(i % 2 == 1),
+            _ => 0,
+        };
+        let green = match what {
+            Surroundings::Leaves => Vec3::new(0.070, 0.150, 0.026),
+            _ => Vec3::new(0.17, 0.095, 0.035),
+        };
+        for k in 0..leaves {
+            let at = (k + 2) as usize;
+            let (a, b) = (joints[(at - 1).min(2)], joints[at.min(3)]);
+            let foot = a.lerp(b, if k < 2 { 0.55 } else { 0.96 });
+            leaf(
+                &mut thin,
+                foot,
+                (b - a).normalize_or(Vec3::Y),
+                k,
+                size,
+                green,
+                &mut dice,
+            );
         }
     }
-    if what != Surroundings::Bare {
-        shrubs(&mut thin, radius, length, &mut dice);
-    }
+    shrubs(&mut thin, radius, length, &mut dice);
     Grown {
         solid: solid.mesh(),
         thin: thin.mesh(),

@@ -5,7 +5,7 @@ use super::{
     compose::Compiled,
     device::{self, Figures, Job},
     instrument::{COUNTER_WORDS, Counted, QUAD, instrument},
-    spirv::Module,
+    spirv::{Module, op},
 };
 use std::{
     collections::BTreeMap,
@@ -91,8 +91,6 @@ fn depth_stage() -> Result<Vec<u32>> {
 
 /// What a pipeline draws, by the functions in it.
 fn name_of(vertex: &[u32], fragment: Option<&[u32]>, shadow: bool) -> String {
-    const DEMOTE: u32 = 5380;
-    const KILL: u32 = 252;
     let modules = [Some(vertex), fragment].map(|words| words.and_then(Module::new));
     let names: Vec<String> = modules
         .iter()
@@ -105,7 +103,7 @@ fn name_of(vertex: &[u32], fragment: Option<&[u32]>, shadow: bool) -> String {
     };
     let cut = modules[1].as_ref().is_some_and(|module| {
         let mut list = module.list.iter();
-        list.any(|i| i[0] == KILL || i[0] == DEMOTE)
+        list.any(|i| i[0] == op::KILL || i[0] == op::DEMOTE)
     });
     let color = has("shade");
     let mut name = if has("light_response") {

@@ -2,59 +2,63 @@
 
 use std::collections::HashMap;
 
-/// Numbers of instructions and storage classes, as the specification names them.
+/// Numbers of instructions and storage classes, for patterns.
 pub mod op {
-    pub const NAME: u32 = 5;
-    pub const EXTENSION: u32 = 10;
-    pub const EXT_INST_IMPORT: u32 = 11;
-    pub const EXT_INST: u32 = 12;
-    pub const MEMORY_MODEL: u32 = 14;
-    pub const ENTRY_POINT: u32 = 15;
-    pub const CAPABILITY: u32 = 17;
-    pub const TYPE_BOOL: u32 = 20;
-    pub const TYPE_INT: u32 = 21;
-    pub const TYPE_FLOAT: u32 = 22;
-    pub const TYPE_VECTOR: u32 = 23;
-    pub const TYPE_MATRIX: u32 = 24;
-    pub const TYPE_ARRAY: u32 = 28;
-    pub const TYPE_POINTER: u32 = 32;
-    pub const CONSTANT: u32 = 43;
-    pub const FUNCTION: u32 = 54;
-    pub const VARIABLE: u32 = 59;
-    pub const LOAD: u32 = 61;
-    pub const ACCESS_CHAIN: u32 = 65;
-    pub const DECORATE: u32 = 71;
-    pub const COMPOSITE_EXTRACT: u32 = 81;
-    pub const CONVERT_F_TO_U: u32 = 109;
-    pub const CONVERT_U_TO_F: u32 = 112;
-    pub const U_CONVERT: u32 = 113;
-    pub const CONVERT_U_TO_PTR: u32 = 120;
-    pub const BITCAST: u32 = 124;
-    pub const I_ADD: u32 = 128;
-    pub const F_ADD: u32 = 129;
-    pub const I_MUL: u32 = 132;
-    pub const F_MUL: u32 = 133;
-    pub const F_DIV: u32 = 136;
-    pub const LOGICAL_AND: u32 = 167;
-    pub const LOGICAL_NOT: u32 = 168;
-    pub const SELECT: u32 = 169;
-    pub const I_EQUAL: u32 = 170;
-    pub const U_GREATER_THAN_EQUAL: u32 = 174;
-    pub const BITWISE_AND: u32 = 199;
-    pub const DPDX_FINE: u32 = 210;
-    pub const DPDY_FINE: u32 = 211;
-    pub const ATOMIC_I_ADD: u32 = 234;
-    pub const ATOMIC_U_MAX: u32 = 239;
-    pub const ATOMIC_OR: u32 = 241;
-    pub const PHI: u32 = 245;
-    pub const LABEL: u32 = 248;
+    use spirv::{Op, StorageClass};
 
-    pub const RETURN: u32 = 253;
+    pub const NAME: u32 = Op::Name as u32;
+    pub const EXTENSION: u32 = Op::Extension as u32;
+    pub const EXT_INST_IMPORT: u32 = Op::ExtInstImport as u32;
+    pub const EXT_INST: u32 = Op::ExtInst as u32;
+    pub const MEMORY_MODEL: u32 = Op::MemoryModel as u32;
+    pub const ENTRY_POINT: u32 = Op::EntryPoint as u32;
+    pub const CAPABILITY: u32 = Op::Capability as u32;
+    pub const TYPE_BOOL: u32 = Op::TypeBool as u32;
+    pub const TYPE_INT: u32 = Op::TypeInt as u32;
+    pub const TYPE_FLOAT: u32 = Op::TypeFloat as u32;
+    pub const TYPE_VECTOR: u32 = Op::TypeVector as u32;
+    pub const TYPE_MATRIX: u32 = Op::TypeMatrix as u32;
+    pub const TYPE_ARRAY: u32 = Op::TypeArray as u32;
+    pub const TYPE_POINTER: u32 = Op::TypePointer as u32;
+    pub const CONSTANT: u32 = Op::Constant as u32;
+    pub const FUNCTION: u32 = Op::Function as u32;
+    pub const VARIABLE: u32 = Op::Variable as u32;
+    pub const LOAD: u32 = Op::Load as u32;
+    pub const ACCESS_CHAIN: u32 = Op::AccessChain as u32;
+    pub const DECORATE: u32 = Op::Decorate as u32;
+    pub const COMPOSITE_EXTRACT: u32 = Op::CompositeExtract as u32;
+    pub const CONVERT_F_TO_U: u32 = Op::ConvertFToU as u32;
+    pub const CONVERT_U_TO_F: u32 = Op::ConvertUToF as u32;
+    pub const U_CONVERT: u32 = Op::UConvert as u32;
+    pub const CONVERT_U_TO_PTR: u32 = Op::ConvertUToPtr as u32;
+    pub const BITCAST: u32 = Op::Bitcast as u32;
+    pub const I_ADD: u32 = Op::IAdd as u32;
+    pub const F_ADD: u32 = Op::FAdd as u32;
+    pub const I_MUL: u32 = Op::IMul as u32;
+    pub const F_MUL: u32 = Op::FMul as u32;
+    pub const F_DIV: u32 = Op::FDiv as u32;
+    pub const LOGICAL_AND: u32 = Op::LogicalAnd as u32;
+    pub const LOGICAL_NOT: u32 = Op::LogicalNot as u32;
+    pub const SELECT: u32 = Op::Select as u32;
+    pub const I_EQUAL: u32 = Op::IEqual as u32;
+    pub const U_GREATER_THAN_EQUAL: u32 = Op::UGreaterThanEqual as u32;
+    pub const BITWISE_AND: u32 = Op::BitwiseAnd as u32;
+    pub const DPDX_FINE: u32 = Op::DPdxFine as u32;
+    pub const DPDY_FINE: u32 = Op::DPdyFine as u32;
+    pub const ATOMIC_I_ADD: u32 = Op::AtomicIAdd as u32;
+    pub const ATOMIC_U_MAX: u32 = Op::AtomicUMax as u32;
+    pub const ATOMIC_OR: u32 = Op::AtomicOr as u32;
+    pub const PHI: u32 = Op::Phi as u32;
+    pub const LABEL: u32 = Op::Label as u32;
+
+    pub const KILL: u32 = Op::Kill as u32;
+    pub const RETURN: u32 = Op::Return as u32;
+    pub const DEMOTE: u32 = Op::DemoteToHelperInvocation as u32;
     /// Types.
     pub const TYPES: std::ops::RangeInclusive<u32> = 19..=39;
-    pub const INPUT: u32 = 1;
-    pub const OUTPUT: u32 = 3;
-    pub const PHYSICAL: u32 = 5349;
+    pub const INPUT: u32 = StorageClass::Input as u32;
+    pub const OUTPUT: u32 = StorageClass::Output as u32;
+    pub const PHYSICAL: u32 = StorageClass::PhysicalStorageBuffer as u32;
 }
 
 /// One instruction: its number, then its words.
