@@ -35,6 +35,7 @@ fn main() -> AppExit {
 fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
     commands.spawn((
         scene::bird(&assets, "eagle", 0.0),
+        scene::EAGLE_BREAST,
         Plumage::new(assets.load("grooms/eagle.groom.ron"))
             .with_seed(args.seed)
             .with_density(args.density.unwrap_or(1.0)),

@@ -35,6 +35,7 @@ fn main() -> AppExit {
 fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
     commands.spawn((
         scene::bird(&assets, "owl", 0.0),
+        scene::OWL_BREAST,
         Plumage::new(assets.load("grooms/owl.groom.ron"))
             .with_seed(args.seed)
             .with_density(args.density.unwrap_or(1.0)),

@@ -46,6 +46,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
     for (i, (x, turn, phase)) in birds.into_iter().enumerate() {
         commands.spawn((
             scene::bird(&assets, "parrot", phase),
+            scene::PARROT_BREAST,
             Plumage::new(groom.clone())
                 .with_seed(args.seed + i as u64)
                 .with_density(args.density.unwrap_or(density)),

@@ -3,7 +3,9 @@
 use super::{
     Args, Shot,
     camera::{self, Orbit, Shots},
-    headless, scene, stats,
+    headless,
+    scene::{self, Breast},
+    stats,
 };
 use bevy::prelude::*;
 use std::{path::Path, time::Instant};
@@ -45,7 +47,7 @@ pub fn run(app: &mut App, image: &Handle<Image>, name: &str, args: &Args) -> Res
         let mask = headless::develop(app, image, name, args, frames)?;
         let path = named(folder, file, "png");
         mask.save(&path).map_err(|error| told(&path, error))?;
-        let said = serde_json::json!({ "mm_per_pixel": pixel * 1000.0 });
+        let said = serde_json::json!({ "mm_per_pixel": pixel * 1000.0, "breasts": breasts(app) });
         write(&named(folder, file, "json"), &format!("{said:#}\n"))?;
     }
     Ok(())
@@ -63,6 +65,24 @@ fn named(folder: &Path, file: &Path, ending: &str) -> std::path::PathBuf {
 
 fn write(path: &Path, text: &str) -> Result<(), String> {
     std::fs::write(path, text).map_err(|error| told(path, error))
+}
+
+/// Where the breast of each bird is in the picture: middle and radius, pixels.
+fn breasts(app: &mut App) -> Vec<[f32; 3]> {
+    let world = app.world_mut();
+    let mut cameras = world.query_filtered::<(&Camera, &GlobalTransform), With<Orbit>>();
+    let mut birds = world.query::<(&Breast, &GlobalTransform)>();
+    let Some((camera, eye)) = cameras.iter(world).next() else {
+        return Vec::new();
+    };
+    let shown = |(Breast(at, radius), bird): (&Breast, &GlobalTransform)| {
+        let middle = bird.transform_point(*at);
+        let edge = middle + *radius * eye.right();
+        let [middle, edge] = [middle, edge].map(|at| camera.world_to_viewport(eye, at).ok());
+        let (middle, edge) = (middle?, edge?);
+        Some([middle.x, middle.y, middle.distance(edge)])
+    };
+    birds.iter(world).filter_map(shown).collect()
 }
 
 /// Moves the camera to a shot. Returns what a pixel measures at its target, metres.

@@ -25,6 +25,7 @@ use bevy::{
         },
     },
 };
+use bevy_plumage::prelude::*;
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
@@ -397,6 +398,7 @@ fn average(
                     }
                 },
             );
+            set_pattern(world, index);
             println!("{name}: sample {} of {count}", index + 1);
         } else if start.elapsed() > CAPTURE_TIMEOUT + 2 * CAPTURE_TIMEOUT * count {
             return Err("the picture did not come back from the GPU".into());
@@ -411,6 +413,7 @@ fn average(
         }
     }
     let world = app.world_mut();
+    set_pattern(world, 0);
     world
         .entity_mut(camera)
         .insert(place)
@@ -426,6 +429,14 @@ fn average(
     let (width, height) = args.size;
     image::RgbImage::from_raw(width, height, bytes.collect())
         .ok_or_else(|| "the picture has another size".into())
+}
+
+/// Gives all feathers the pattern of that number.
+fn set_pattern(world: &mut World, number: u32) {
+    let mut qualities = world.query::<&mut FeatherQuality>();
+    for mut quality in qualities.iter_mut(world) {
+        quality.settings.pattern = number;
+    }
 }
 
 /// Colors of an image of 16-bit floats.

@@ -10,6 +10,7 @@ use super::{
     surroundings::grow,
 };
 use bevy::{
+    core_pipeline::tonemapping::Tonemapping,
     gltf::GltfAssetLabel,
     light::{CascadeShadowConfig, CascadeShadowConfigBuilder, EnvironmentMapLight, Skybox},
     prelude::*,
@@ -158,6 +159,17 @@ pub const EAGLE_PERCH: Perch = Perch(0.035, 2.6, 0.060);
 /// What the owl holds.
 pub const OWL_PERCH: Perch = Perch(0.018, 1.6, 0.024);
 
+/// A ball in a bird's breast that shows no other feathers from before and from the side: middle and radius, metres, space of the bird.
+#[derive(Component, Clone, Copy)]
+pub struct Breast(pub Vec3, pub f32);
+
+/// Of the parrot of `assets/birds`.
+pub const PARROT_BREAST: Breast = Breast(Vec3::new(0.0, 0.165, 0.035), 0.027);
+/// Of the eagle.
+pub const EAGLE_BREAST: Breast = Breast(Vec3::new(0.0, 0.33, 0.08), 0.045);
+/// Of the owl.
+pub const OWL_BREAST: Breast = Breast(Vec3::new(0.0, 0.14, 0.05), 0.03);
+
 fn grow_perch(
     add: On<Add, Perch>,
     perches: Query<&Perch>,
@@ -247,7 +259,11 @@ fn start_idle(
     }
 }
 
-/// Makes the scene a mask: feathers show a color for each card, bill, eyes, feet and bare skin are blue, the rest is black.
+/// Blue of a mask where a thing is, linear.
+const THING: f32 = 0.05;
+
+/// Makes the scene a mask: feathers show a color for each card, bill, eyes, feet and bare skin are blue, what birds sit on and what may
+/// hide them is dark blue, the rest is black.
 pub fn mask(app: &mut App) {
     let world = app.world_mut();
     let mut qualities = world.query::<&mut FeatherQuality>();
@@ -260,6 +276,9 @@ pub fn mask(app: &mut App) {
         world.entity_mut(camera).remove::<Skybox>();
     }
     world.insert_resource(ClearColor(Color::BLACK));
+    // No film: blue stays blue.
+    let mut setting = world.resource_mut::<Setting>();
+    (setting.tone, setting.saturation) = (Tonemapping::None, 1.0);
     let mut birds = world.query_filtered::<Entity, With<Idle>>();
     let mut children = world.query::<&Children>();
     let mut bodies = Vec::new();
@@ -279,9 +298,9 @@ pub fn mask(app: &mut App) {
         let flat = materials.add(StandardMaterial {
             base_color: Color::BLACK,
             base_color_texture: hung.then(|| old.base_color_texture.clone()).flatten(),
-            emissive: LinearRgba::rgb(0.0, 0.0, f32::from(u8::from(body))),
+            emissive: LinearRgba::rgb(0.0, 0.0, if body { 1.0 } else { THING }),
             reflectance: 0.0,
-            unlit: !body,
+            unlit: hung,
             alpha_mode: old.alpha_mode,
             double_sided: old.double_sided,
             cull_mode: old.cull_mode,

@@ -65,6 +65,10 @@ pub struct FeatherSettings {
     pub shelter: f32,
     /// Vary the alpha by a fixed pattern before it becomes MSAA samples, so that its mean is right.
     pub dither: bool,
+    /// Number of the pattern by which coverage becomes holes or MSAA samples, in the picture and in shadow maps. Frames that are
+    /// averaged, on the processor or by TAA, take a number each: then the pattern averages out. 0 (default) for single pictures: the same
+    /// from frame to frame.
+    pub pattern: u32,
     /// What is shown.
     pub debug_view: DebugView,
     /// How coverage is found.
@@ -102,6 +106,7 @@ impl Default for FeatherSettings {
             multiple_scattering: 1.0,
             shelter: 0.55,
             dither: true,
+            pattern: 0,
             debug_view: DebugView::None,
             coverage_method: CoverageMethod::Chosen,
             order_window: 0.5,
@@ -130,13 +135,15 @@ pub struct GpuFeatherSettings {
     pub environment_samples: u32,
     /// `FeatherSettings::order_window`.
     pub order_window: f32,
+    /// `FeatherSettings::pattern`.
+    pub pattern: u32,
 }
 
 /// For the test that holds it against the shader.
 #[cfg(feature = "internals")]
 pub(super) fn settings_layout() -> crate::shaders::StructLayout {
     crate::shaders::struct_layout!(GpuFeatherSettings, "card/feather_bindings.wgsl", "FeatherSettings", {
-        threshold, multiple_scattering, shelter, dither, debug_view, environment_samples, order_window,
+        threshold, multiple_scattering, shelter, dither, debug_view, environment_samples, order_window, pattern,
     })
 }
 
@@ -150,6 +157,7 @@ impl From<&FeatherSettings> for GpuFeatherSettings {
             debug_view: settings.debug_view as u32,
             environment_samples: settings.environment_samples.min(1024),
             order_window: settings.order_window.clamp(0.0, 0.5),
+            pattern: settings.pattern,
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::{
     modified::modified,
 };
 use bevy::{
-    asset::RenderAssetUsages,
+    asset::{AssetEventSystems, RenderAssetUsages},
     platform::collections::HashMap,
     prelude::*,
     render::{
@@ -46,7 +46,9 @@ pub(super) fn add_systems(app: &mut App) {
             measure_memory,
         )
             .chain()
-            .in_set(PlumageSystems::PrepareMaterials),
+            .in_set(PlumageSystems::PrepareMaterials)
+            // What changes is drawn in this frame.
+            .before(AssetEventSystems),
     )
     .add_systems(
         PostUpdate,

@@ -56,6 +56,48 @@ fn every_way_comes_near_sorted_compositing() {
     assert!(list.0 < samples.0 && samples.0 < hashed.0, "{off:?}");
 }
 
+/// Frames that are averaged take a pattern each: noise falls as that of independent ones would, and what is left comes nearer to sorted
+/// compositing.
+#[test]
+fn patterns_average_out() {
+    const PATTERNS: u32 = 16;
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let mut stack = stack::Stack::new(&mut stage, 8);
+    let camera = stage.camera;
+    let exact = stack.draw(&mut stage, Msaa::Off, Blend, true);
+    for (msaa, way) in [(Msaa::Sample4, AlphaToCoverage), (Msaa::Off, Hashed)] {
+        stage.app.world_mut().entity_mut(camera).insert(msaa);
+        let usual = stack.draw(&mut stage, msaa, way, false);
+        let frames: Vec<Vec<[f32; 3]>> = (0..2 * PATTERNS)
+            .map(|pattern| {
+                let world = stage.app.world_mut();
+                let mut qualities = world.query::<&mut FeatherQuality>();
+                for mut quality in qualities.iter_mut(world) {
+                    quality.settings.pattern = pattern;
+                }
+                stage.picture()
+            })
+            .collect();
+        assert!(frames[0] == usual, "the first pattern is the usual one");
+        let mean = |frames: &[Vec<[f32; 3]>]| -> Vec<[f32; 3]> {
+            let share = 1.0 / frames.len() as f32;
+            let sum = |i: usize| frames.iter().map(|f| Vec3::from_array(f[i])).sum::<Vec3>();
+            (0..usual.len())
+                .map(|i| (share * sum(i)).to_array())
+                .collect()
+        };
+        let (first, second) = frames.split_at(PATTERNS as usize);
+        let before = rms(&frames[0], &frames[1]);
+        let after = rms(&mean(first), &mean(second));
+        let error = [&frames[0], &mean(first)].map(|picture| rms(picture, &exact));
+        println!("{way:?}: noise of one {before}, of {PATTERNS} {after}; RMS error {error:?}");
+        assert!(after < 0.35 * before, "{way:?}: {before} {after}");
+        assert!(error[1] < error[0], "{way:?}: {error:?}");
+    }
+}
+
 /// Down is open: most of it is there in fewer than half of the cells of a hash, or of the samples of a pixel.
 #[test]
 fn open_feathers_let_as_much_through_as_sorted_compositing() {

@@ -3,8 +3,6 @@
 //! Bounds and their sources are those of photographs of a golden eagle, a scarlet and a green-winged macaw. Of a barn owl none was
 //! measured: it is judged by what holds for any bird.
 
-use std::collections::VecDeque;
-
 /// Weights of linear sRGB in luminance.
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 /// Most specks among 10,000 pixels: photographs have 0.8 to 3.3.
@@ -12,8 +10,12 @@ const SPECKS: f32 = 5.0;
 /// How far a speck stands out, share of the median around it.
 const STANDS_OUT: f32 = 0.12;
 
+/// Pixels from the edge of feathers within which their color is not judged.
+const EDGE: usize = 2;
 /// Darkest that a mask shows where there is a bird, 0..1: a hundredth of a pixel.
 const SEEN: f32 = 0.1;
+/// Darkest blue of a bill or a foot in a mask; darker ones are things around the bird.
+const BODY: f32 = 0.5;
 /// Finest scale at which contrast is measured, millimetres on the bird: half a pixel of the photographs.
 const FINEST: f32 = 0.45;
 /// Least by which what is around a bird is darker, stops.
@@ -75,6 +77,10 @@ pub struct Subject {
     mask: Vec<bool>,
     /// Where its feathers are: not bill, eyes, feet and bare skin.
     feathers: Vec<bool>,
+    /// Where things are that may hide a part of it.
+    things: Vec<bool>,
+    /// Where the breasts are: feathers of the circles that were told.
+    breast: Vec<usize>,
 }
 
 /// Hue in degrees, saturation and value.
@@ -91,6 +97,17 @@ fn hsv([r, g, b]: [f32; 3]) -> [f32; 3] {
         60.0 * ((r - g) / spread + 4.0)
     };
     [hue, if high > 0.0 { spread / high } else { 0.0 }, high]
+}
+
+/// Yellow or orange in the dark.
+fn is_olive(p: [f32; 3]) -> bool {
+    let [h, s, v] = hsv(p);
+    (25.0..75.0).contains(&h) && s > 0.3 && (0.15..0.5).contains(&v)
+}
+
+fn is_mauve(p: [f32; 3]) -> bool {
+    let [h, s, v] = hsv(p);
+    (270.0..345.0).contains(&h) && s > 0.25 && v > 0.15
 }
 
 fn linear(c: f32) -> f32 {
@@ -110,9 +127,16 @@ fn median(mut values: Vec<f32>) -> f32 {
 }
 
 impl Subject {
-    /// Of bytes RGB. In a mask of the same camera feathers have any color but blue, bill, eyes, feet and bare skin are blue, the rest is
-    /// black. `scale`: what a pixel measures on the bird, millimetres.
-    pub fn new(picture: &[u8], mask: &[u8], width: usize, scale: f32) -> Self {
+    /// Of bytes RGB. In a mask of the same camera feathers have any color but blue, bill, eyes, feet and bare skin are blue, things
+    /// that may hide a part of it are dark blue, the rest is black. `scale`: what a pixel measures on the bird, millimetres; `breasts`: middle and radius of circles that show feathers of the
+    /// breast alone, pixels.
+    pub fn new(
+        picture: &[u8],
+        mask: &[u8],
+        width: usize,
+        scale: f32,
+        breasts: &[[f32; 3]],
+    ) -> Self {
         let shown = |bytes: &[u8]| -> Vec<[f32; 3]> {
             let pixels = bytes.chunks_exact(3);
             pixels
@@ -120,17 +144,31 @@ impl Subject {
                 .collect()
         };
         let (pixels, shapes) = (shown(picture), shown(mask));
-        let mask = shapes.iter().map(|p| p.iter().any(|c| *c > SEEN)).collect();
-        let feathers = shapes.iter().map(|p| p[0].max(p[1]) > SEEN).collect();
+        let mask: Vec<bool> = shapes
+            .iter()
+            .map(|p| p[0].max(p[1]) > SEEN || p[2] > BODY)
+            .collect();
+        let things = shapes.iter().zip(&mask);
+        let things = things.map(|(p, bird)| !bird && p[2] > SEEN).collect();
+        let feathers: Vec<bool> = shapes.iter().map(|p| p[0].max(p[1]) > SEEN).collect();
         let height = pixels.len() / width.max(1);
-        Self {
+        let mut subject = Self {
             scale,
             width,
             height,
             pixels,
             mask,
             feathers,
-        }
+            things,
+            breast: Vec::new(),
+        };
+        let is_breast = |i: &usize| {
+            let at = [(i % width) as f32 + 0.5, (i / width) as f32 + 0.5];
+            let holds = |[x, y, radius]: &[f32; 3]| (at[0] - x).hypot(at[1] - y) < *radius;
+            breasts.iter().any(holds) && subject.is_inside(&subject.feathers, *i, EDGE)
+        };
+        subject.breast = (0..subject.feathers.len()).filter(is_breast).collect();
+        subject
     }
 
     fn neighbors(&self, i: usize, reach: usize) -> impl Iterator<Item = usize> + '_ {
@@ -140,96 +178,135 @@ impl Subject {
         rows.flat_map(move |v| columns.clone().map(move |u| v * self.width + u))
     }
 
-    /// Pixels of the pieces of the mask that hold at least a hundredth of it: a perch may hide what joins the tail to the body. A piece
-    /// may be parted by a pixel.
-    fn body(&self) -> Vec<bool> {
-        let mut piece = vec![0_usize; self.mask.len()];
-        let mut sizes = vec![0_usize];
-        for start in 0..self.mask.len() {
-            if !self.mask[start] || piece[start] != 0 {
+    /// Pieces of what is marked, each a list of pixels; what is at most `reach` pixels apart is one piece.
+    fn pieces(&self, marked: &[bool], reach: usize) -> Vec<Vec<usize>> {
+        let mut seen = vec![false; marked.len()];
+        let mut pieces = Vec::new();
+        for start in 0..marked.len() {
+            if !marked[start] || seen[start] {
                 continue;
             }
-            let number = sizes.len();
-            piece[start] = number;
-            let (mut size, mut open) = (0, VecDeque::from([start]));
-            while let Some(i) = open.pop_front() {
-                size += 1;
-                for k in self.neighbors(i, 2) {
-                    if self.mask[k] && piece[k] == 0 {
-                        piece[k] = number;
-                        open.push_back(k);
+            seen[start] = true;
+            let mut piece = vec![start];
+            let mut next = 0;
+            while let Some(i) = piece.get(next).copied() {
+                next += 1;
+                for k in self.neighbors(i, reach) {
+                    if marked[k] && !seen[k] {
+                        seen[k] = true;
+                        piece.push(k);
                     }
                 }
             }
-            sizes.push(size);
+            pieces.push(piece);
         }
-        let least = sizes.iter().sum::<usize>().div_ceil(100).max(1);
-        piece.into_iter().map(|p| sizes[p] >= least).collect()
+        pieces
     }
 
-    fn is_inside(&self, i: usize, reach: usize) -> bool {
+    /// Pixels of the pieces of the mask that hold at least a hundredth of it. Things that may hide what joins a piece to the body join
+    /// them, and so does a gap of a pixel.
+    fn body(&self) -> Vec<bool> {
+        let shown: Vec<bool> = self
+            .mask
+            .iter()
+            .zip(&self.things)
+            .map(|(m, t)| *m || *t)
+            .collect();
+        let least = self.mask.iter().filter(|m| **m).count().div_ceil(100);
+        let mut body = vec![false; shown.len()];
+        for piece in self.pieces(&shown, 2) {
+            let bird: Vec<usize> = piece.into_iter().filter(|i| self.mask[*i]).collect();
+            if bird.len() >= least {
+                bird.into_iter().for_each(|i| body[i] = true);
+            }
+        }
+        body
+    }
+
+    /// Largest region of feathers of which `is` holds, percent of all feathers. Pixels at the edge of the feathers are left out: they
+    /// show what is behind, too.
+    fn largest(&self, is: impl Fn([f32; 3]) -> bool) -> f32 {
+        let marked: Vec<bool> = (0..self.feathers.len())
+            .map(|i| self.is_inside(&self.feathers, i, EDGE) && is(self.pixels[i]))
+            .collect();
+        let pieces = self.pieces(&marked, 1);
+        let largest = pieces.iter().map(Vec::len).max().unwrap_or(0);
+        let count = self.feathers.iter().filter(|m| **m).count();
+        100.0 * largest as f32 / count.max(1) as f32
+    }
+
+    fn is_inside(&self, mask: &[bool], i: usize, reach: usize) -> bool {
         let (x, y) = (i % self.width, i / self.width);
         x >= reach
             && y >= reach
             && x + reach < self.width
             && y + reach < self.height
-            && self.neighbors(i, reach).all(|k| self.mask[k])
+            && self.neighbors(i, reach).all(|k| mask[k])
     }
 
     fn luminance(&self, i: usize) -> f32 {
         (0..3).map(|c| LUMINANCE[c] * self.pixels[i][c]).sum()
     }
 
-    /// Pixels that stand out from all eight neighbors, among 10,000.
-    fn specks(&self) -> f32 {
-        let (mut specks, mut all) = (0.0, 0.0);
-        for i in (0..self.mask.len()).filter(|i| self.is_inside(*i, 4)) {
-            all += 1.0;
+    /// Pixels that stand out from all eight neighbors, and how many were looked at.
+    fn specks(&self) -> (Vec<usize>, usize) {
+        let inside: Vec<usize> = (0..self.mask.len())
+            .filter(|i| self.is_inside(&self.mask, *i, 4))
+            .collect();
+        let stands_out = |i: usize| {
             let own = self.luminance(i);
             let around = median(self.neighbors(i, 2).map(|k| self.luminance(k)).collect());
             let off = |k: usize| own - self.luminance(k);
             let margin = STANDS_OUT * around;
             let others = || self.neighbors(i, 1).filter(|k| *k != i);
-            if others().all(|k| off(k) > margin) || others().all(|k| off(k) < -margin) {
-                specks += 1.0;
+            others().all(|k| off(k) > margin) || others().all(|k| off(k) < -margin)
+        };
+        let specks = inside.iter().copied().filter(|i| stands_out(*i)).collect();
+        (specks, inside.len())
+    }
+
+    /// The picture, dark, with what the judge objects to: specks white, stray pixels yellow, olive green, mauve magenta, pale pixels of
+    /// the breast cyan; the breast is bright. Bytes RGB.
+    pub fn marks(&self, species: Species) -> Vec<u8> {
+        let mut marks: Vec<[f32; 3]> = self.pixels.iter().map(|p| p.map(|c| 0.4 * c)).collect();
+        for i in &self.breast {
+            marks[*i] = self.pixels[*i];
+        }
+        for i in self.pale() {
+            marks[i] = [0.0, 1.0, 1.0];
+        }
+        for i in (0..marks.len()).filter(|i| self.is_inside(&self.feathers, *i, EDGE)) {
+            if species == Species::Macaw && is_olive(self.pixels[i]) {
+                marks[i] = [0.0, 1.0, 0.0];
+            } else if is_mauve(self.pixels[i]) {
+                marks[i] = [1.0, 0.0, 1.0];
             }
         }
-        1.0e4 * specks / f32::max(all, 1.0)
-    }
-
-    /// Left, top, right and lower edge of the body.
-    fn extent(&self, body: &[bool]) -> [usize; 4] {
-        let mut edges = [self.width, self.height, 0, 0];
-        for i in (0..body.len()).filter(|i| body[*i]) {
-            let (x, y) = (i % self.width, i / self.width);
-            edges = [
-                edges[0].min(x),
-                edges[1].min(y),
-                edges[2].max(x + 1),
-                edges[3].max(y + 1),
-            ];
+        let body = self.body();
+        for i in (0..marks.len()).filter(|i| self.mask[*i] && !body[*i]) {
+            for k in self.neighbors(i, 3) {
+                marks[k] = [1.0, 1.0, 0.0];
+            }
         }
-        edges
+        for i in self.specks().0 {
+            for k in self.neighbors(i, 1) {
+                marks[k] = [1.0; 3];
+            }
+        }
+        let bytes = marks.into_iter().flatten();
+        bytes.map(|c| (255.0 * c).round() as u8).collect()
     }
 
-    /// The breast of each bird: of the rows from a quarter to a half of the crown-to-tail height, the middle third of each. Birds side
-    /// by side are runs of one row, at least a twentieth of the picture wide.
-    fn breast(&self, body: &[bool], [_, top, _, low]: [usize; 4]) -> Vec<usize> {
-        let tall = low.saturating_sub(top);
-        let rows = top + tall / 4..top + tall / 2;
-        rows.flat_map(|y| {
-            let row: Vec<usize> = (y * self.width..(y + 1) * self.width).collect();
-            row.chunk_by(|a, b| body[*a] == body[*b])
-                .filter(|run| body[run[0]] && 20 * run.len() >= self.width)
-                .flat_map(|run| {
-                    let run: Vec<usize> =
-                        run.iter().copied().filter(|i| self.feathers[*i]).collect();
-                    let n = run.len();
-                    run.get(n / 3..2 * n / 3).unwrap_or_default().to_vec()
-                })
-                .collect::<Vec<_>>()
-        })
-        .collect()
+    /// Median of a property over the breast.
+    fn of_breast(&self, part: impl Fn([f32; 3]) -> f32) -> f32 {
+        median(self.breast.iter().map(|i| part(self.pixels[*i])).collect())
+    }
+
+    /// Pixels of the breast that haze makes pale.
+    fn pale(&self) -> Vec<usize> {
+        let saturation = self.of_breast(|p| hsv(p)[1]);
+        let is_pale = |i: &usize| hsv(self.pixels[*i])[1] < 0.55 * saturation;
+        self.breast.iter().copied().filter(is_pale).collect()
     }
 
     /// Each bird of the picture: columns of the body that empty ones part from the rest, where they are at least a twentieth of the
@@ -322,7 +399,6 @@ impl Subject {
         };
         let (macaw, eagle) = (species == Species::Macaw, species == Species::Eagle);
         let body = self.body();
-        let edges = self.extent(&body);
         let count = self.feathers.iter().filter(|m| **m).count().max(1) as f32;
         let share = |of: &dyn Fn([f32; 3]) -> bool| {
             let inside = (0..self.feathers.len()).filter(|i| self.feathers[*i]);
@@ -335,7 +411,9 @@ impl Subject {
             stray.count() as f32,
             (0.0, 0.0),
         );
-        line(2, "specks in 10,000", self.specks(), (0.0, SPECKS));
+        let (specks, inside) = self.specks();
+        let specks = 1.0e4 * specks.len() as f32 / inside.max(1) as f32;
+        line(2, "specks in 10,000", specks, (0.0, SPECKS));
         if macaw && view == View::Side {
             let yellow = |p: [f32; 3]| {
                 let [h, s, v] = hsv(p);
@@ -367,41 +445,36 @@ impl Subject {
                 (0.45, 0.55),
             );
         }
-        let breast = self.breast(&body, edges);
-        let of = |part: &dyn Fn([f32; 3]) -> f32| {
-            median(breast.iter().map(|i| part(self.pixels[*i])).collect())
-        };
-        let saturation = of(&|p| hsv(p)[1]);
+        let breast = &self.breast;
         if matches!(view, View::Front | View::Side) && (macaw || eagle) {
             // Hues around red: 0 lies in the middle.
-            let hue = of(&|p| (hsv(p)[0] + 180.0).rem_euclid(360.0) - 180.0);
+            let hue = self.of_breast(|p| (hsv(p)[0] + 180.0).rem_euclid(360.0) - 180.0);
             if macaw {
                 line(6, "hue of the breast", hue, (3.0, 14.0));
+                let saturation = self.of_breast(|p| hsv(p)[1]);
                 line(6, "saturation of the breast", saturation, (0.75, 0.92));
-                let ratio = of(&|p| linear(p[1]) / linear(p[2]).max(1.0e-4));
+                let ratio = self.of_breast(|p| linear(p[1]) / linear(p[2]).max(1.0e-4));
                 line(6, "green over blue of the breast", ratio, (1.5, 100.0));
             } else {
                 line(6, "hue of the breast", hue, (12.0, 32.0));
             }
-            let pale = breast
-                .iter()
-                .filter(|i| hsv(self.pixels[**i])[1] < 0.55 * saturation)
-                .count();
-            let pale = 100.0 * pale as f32 / breast.len().max(1) as f32;
+            let pale = 100.0 * self.pale().len() as f32 / breast.len().max(1) as f32;
             line(8, "pale pixels of the breast, %", pale, (0.0, 0.1));
         }
         if macaw {
-            let olive = |p: [f32; 3]| {
-                let [h, s, v] = hsv(p);
-                (25.0..75.0).contains(&h) && s > 0.3 && (0.15..0.5).contains(&v)
-            };
-            line(6, "olive, % of the feathers", share(&olive), (0.0, 0.2));
+            line(
+                6,
+                "largest olive region, % of the feathers",
+                self.largest(is_olive),
+                (0.0, 0.2),
+            );
         }
-        let mauve = |p: [f32; 3]| {
-            let [h, s, v] = hsv(p);
-            (270.0..345.0).contains(&h) && s > 0.25 && v > 0.15
-        };
-        line(6, "mauve, % of the feathers", share(&mauve), (0.0, 0.2));
+        line(
+            6,
+            "largest mauve region, % of the feathers",
+            self.largest(is_mauve),
+            (0.0, 0.2),
+        );
         if view == View::Front && (macaw || eagle) {
             let wanted = if macaw {
                 [0.040, 0.039, 0.046, 0.053]
@@ -414,7 +487,7 @@ impl Subject {
                 "contrast, 1.8 to 3.6 mm",
                 "contrast, 3.6 to 7.2 mm",
             ];
-            let found = self.octaves(&breast);
+            let found = self.octaves(breast);
             for ((name, wanted), found) in names.into_iter().zip(wanted).zip(found) {
                 line(7, name, found, (0.65 * wanted, 1.35 * wanted));
             }
@@ -489,7 +562,14 @@ mod tests {
                 _ => [0, 0, 0],
             });
         }
-        Subject::new(&picture, &mask, side, scale)
+        let middle = 0.5 * side as f32;
+        Subject::new(
+            &picture,
+            &mask,
+            side,
+            scale,
+            &[[middle, middle, 0.2 * middle]],
+        )
     }
 
     #[test]

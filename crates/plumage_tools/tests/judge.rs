@@ -8,6 +8,9 @@ const SCALE: f32 = 0.9;
 /// Feathers in a mask.
 const FEATHERS: [u8; 3] = [90, 200, 0];
 
+/// Middle and radius of the breast of [`bird`].
+const BREAST: [f32; 3] = [40.0, 50.0, 10.0];
+
 /// A red ellipse on dark green, and its mask.
 fn bird(color: [u8; 3]) -> (Vec<u8>, Vec<u8>) {
     let (mut picture, mut mask) = (Vec::new(), Vec::new());
@@ -23,7 +26,7 @@ fn bird(color: [u8; 3]) -> (Vec<u8>, Vec<u8>) {
 }
 
 fn found(picture: &[u8], mask: &[u8], species: Species, view: View) -> Vec<Line> {
-    Subject::new(picture, mask, WIDTH, SCALE).judge(species, view)
+    Subject::new(picture, mask, WIDTH, SCALE, &[BREAST]).judge(species, view)
 }
 
 fn failures(lines: &[Line], number: u32) -> usize {
@@ -74,7 +77,7 @@ fn contrast_is_found_at_its_own_scale() {
             grey.extend([(128.0 + 50.0 * wave) as u8; 3]);
         }
         let mask = FEATHERS.repeat(grey.len() / 3);
-        let subject = Subject::new(&grey, &mask, WIDTH, SCALE);
+        let subject = Subject::new(&grey, &mask, WIDTH, SCALE, &[]);
         let all: Vec<usize> = (0..WIDTH * 100).collect();
         let found = subject.octaves(&all);
         let strongest = (0..4).max_by(|a, b| found[*a].total_cmp(&found[*b]));
@@ -102,7 +105,7 @@ fn two_birds_are_measured_apart() {
         line.map(|line| line.found)
     };
     let one = width(found(&single, &mask, Species::Macaw, View::Back));
-    let pair = Subject::new(&beside(&single), &beside(&mask), 2 * WIDTH, SCALE);
+    let pair = Subject::new(&beside(&single), &beside(&mask), 2 * WIDTH, SCALE, &[]);
     assert_eq!(width(pair.judge(Species::Macaw, View::Back)), one);
 }
 
@@ -131,31 +134,77 @@ fn feet_and_bill_are_the_bird_but_not_its_feathers() {
 }
 
 #[test]
-fn the_breasts_of_two_birds_lie_within_each() {
-    // Between two birds the middle third of a row would be their wings.
-    let (single, mask) = bird([205, 52, 36]);
-    let with_wings = |bytes: &[u8], flip: bool| -> Vec<u8> {
-        let mut bytes = bytes.to_vec();
-        for y in 30..70 {
-            for x in 40..WIDTH {
-                let x = if flip { WIDTH - 1 - x } else { x };
-                let at = 3 * (y * WIDTH + x);
-                let outer = if flip { x < 28 } else { x > 52 };
-                if outer && bytes[at] == 205 {
-                    bytes[at..at + 3].copy_from_slice(&[120, 120, 160]);
-                }
+fn a_breast_is_where_the_circle_is() {
+    let (mut picture, mask) = bird([205, 52, 36]);
+    // A pale wing beside the breast.
+    for y in 30..70 {
+        for x in 52..WIDTH {
+            let at = 3 * (y * WIDTH + x);
+            if picture[at] == 205 {
+                picture[at..at + 3].copy_from_slice(&[120, 120, 160]);
             }
         }
-        bytes
-    };
-    let beside = |left: &[u8], right: &[u8]| -> Vec<u8> {
-        let rows = left
-            .chunks_exact(3 * WIDTH)
-            .zip(right.chunks_exact(3 * WIDTH));
-        rows.flat_map(|(a, b)| [a, b].concat()).collect()
-    };
-    let picture = beside(&with_wings(&single, false), &with_wings(&single, true));
-    let pair = Subject::new(&picture, &beside(&mask, &mask), 2 * WIDTH, SCALE);
-    let lines = pair.judge(Species::Macaw, View::Front);
+    }
+    let lines = found(&picture, &mask, Species::Macaw, View::Front);
     assert_eq!(failures(&lines, 8), 0, "{lines:?}");
+    let wing = Subject::new(&picture, &mask, WIDTH, SCALE, &[[50.0, 50.0, 6.0]]);
+    let lines = wing.judge(Species::Macaw, View::Front);
+    assert_eq!(failures(&lines, 8), 1, "{lines:?}");
+}
+
+/// A red square of feathers with the pixels of `paint` changed in picture and mask.
+fn square(paint: impl Fn(usize, usize) -> Option<([u8; 3], [u8; 3])>) -> Vec<Line> {
+    const SIDE: usize = 100;
+    let (mut picture, mut mask) = (Vec::new(), Vec::new());
+    for (x, y) in (0..SIDE * SIDE).map(|i| (i % SIDE, i / SIDE)) {
+        let inside = (20..60).contains(&x) && (20..60).contains(&y);
+        let usual = if inside {
+            ([150, 30, 20], FEATHERS)
+        } else {
+            ([10, 40, 10], [0; 3])
+        };
+        let (shown, shape) = paint(x, y).unwrap_or(usual);
+        picture.extend(shown);
+        mask.extend(shape);
+    }
+    let subject = Subject::new(&picture, &mask, SIDE, 1.0, &[[40.0, 40.0, 10.0]]);
+    subject.judge(Species::Macaw, View::Side)
+}
+
+fn of(lines: &[Line], what: &str) -> f32 {
+    let line = lines.iter().find(|line| line.what.starts_with(what));
+    line.map_or(f32::NAN, |line| line.found)
+}
+
+#[test]
+fn a_piece_is_astray_unless_a_thing_hides_what_joins_it() {
+    const THING: [u8; 3] = [0, 0, 60];
+    let piece = |x, y| ((80..83).contains(&x) && y == 40).then_some(([150, 30, 20], FEATHERS));
+    let stray = "pixels away";
+    assert_eq!(of(&square(piece), stray), 3.0);
+    let twig = |x, y| {
+        let thing = (60..80).contains(&x) && y == 40;
+        thing.then_some(([90; 3], THING)).or(piece(x, y))
+    };
+    assert_eq!(of(&square(twig), stray), 0.0);
+}
+
+#[test]
+fn a_region_of_a_wrong_color_is_one_piece_within_the_feathers() {
+    let region = "largest olive";
+    let spots = square(|x, y| {
+        let spot = (25..55).contains(&x) && x % 5 == 0 && (25..55).contains(&y) && y % 5 == 0;
+        spot.then_some(([100, 80, 10], FEATHERS))
+    });
+    assert!((of(&spots, region) - 100.0 / 1600.0).abs() < 1.0e-3);
+    let block = square(|x, y| {
+        let inside = (30..40).contains(&x) && (30..36).contains(&y);
+        inside.then_some(([100, 80, 10], FEATHERS))
+    });
+    assert!((of(&block, region) - 6000.0 / 1600.0).abs() < 1.0e-3);
+    let rim = square(|x, y| {
+        let rim = x == 20 && (20..60).contains(&y);
+        rim.then_some(([100, 80, 10], FEATHERS))
+    });
+    assert_eq!(of(&rim, region), 0.0);
 }

@@ -21,6 +21,7 @@ pub fn quality_panel(ui: &mut egui::Ui, fields: &Fields, quality: &mut FeatherQu
         "debug_view",
         "coverage_method",
         "dither",
+        "pattern",
         "multiple_scattering",
         "shelter",
         "environment_samples",

@@ -15,6 +15,8 @@ struct FeatherSettings {
     environment_samples: u32,
     // Widths of a feather within which the order of the coat decides.
     order_window: f32,
+    // Number of the pattern of holes and samples.
+    pattern: u32,
 }
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> settings: FeatherSettings;

@@ -1,7 +1,7 @@
 //! Judges a picture of a bird against photographs: outline, specks, wing, proportions, colors, contrast, highlights, clipping, backdrop.
 //!
 //! `cargo run -p plumage_tools --bin picture_judge -- parrot front picture.png masks/picture.png`: an example writes both with `--shot`
-//! and `--masks`; the mask says where the bird is, the JSON beside it what a pixel measures. Prints one row of a table for each line of
+//! and `--masks`; the mask says where the bird is, the JSON beside it what a pixel measures and where the breasts are. Prints one row of a table for each line of
 //! the list.
 
 use clap::{Parser, ValueEnum};
@@ -23,6 +23,15 @@ enum SeenFrom {
     Head,
 }
 
+/// What the mask's JSON says.
+#[derive(serde::Deserialize)]
+struct Said {
+    /// What a pixel measures on the bird, millimetres.
+    mm_per_pixel: f32,
+    /// Middle and radius of each bird's breast, pixels.
+    breasts: Vec<[f32; 3]>,
+}
+
 /// What is judged.
 #[derive(Parser)]
 struct Args {
@@ -34,6 +43,9 @@ struct Args {
     picture: PathBuf,
     /// Its mask.
     mask: PathBuf,
+    /// Write the picture with what is objected to: specks white, stray pixels yellow, olive green, mauve magenta, pale breast cyan.
+    #[arg(long)]
+    marks: Option<PathBuf>,
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
@@ -42,9 +54,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         image::open(&args.picture)?.to_rgb8(),
         image::open(&args.mask)?.to_rgb8(),
     );
-    let said: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(args.mask.with_extension("json"))?)?;
-    let scale = said["mm_per_pixel"].as_f64().ok_or("no mm_per_pixel")? as f32;
+    let said: Said = serde_json::from_slice(&std::fs::read(args.mask.with_extension("json"))?)?;
     if picture.dimensions() != mask.dimensions() {
         return Err("the two pictures differ in size".into());
     }
@@ -60,7 +70,20 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         SeenFrom::Back => View::Back,
         SeenFrom::Head => View::Head,
     };
-    let lines = Subject::new(picture.as_raw(), mask.as_raw(), width, scale).judge(species, view);
+    let subject = Subject::new(
+        picture.as_raw(),
+        mask.as_raw(),
+        width,
+        said.mm_per_pixel,
+        &said.breasts,
+    );
+    if let Some(file) = &args.marks {
+        let marks = subject.marks(species);
+        image::RgbImage::from_raw(picture.width(), picture.height(), marks)
+            .ok_or("the picture has another size")?
+            .save(file)?;
+    }
+    let lines = subject.judge(species, view);
     let name = args.picture.file_stem().unwrap_or_default();
     for line in &lines {
         let verdict = if line.passes() { "pass" } else { "fail" };

@@ -12,7 +12,7 @@ const BROWN: u32 = 0x4A3524;
 /// Pale rim of scapulars.
 const RIM: u32 = 0x826F5C;
 /// Pale sides of the body's feathers, between which the dark middle is a streak.
-const SIDES: u32 = 0x9C7F64;
+const SIDES: u32 = 0x9C7D64;
 /// That streak.
 const STREAK: u32 = 0x221B16;
 
@@ -99,7 +99,7 @@ fn streaked(downy: f32) -> Albedo {
             color: hex(SIDES),
             tint: 0.15,
         }),
-        mottle: 0.12,
+        mottle: 0.2,
         ..stops(&[
             (0.0, BASE, 0.0),
             (downy - 0.1, BASE, 0.0),

@@ -6,7 +6,12 @@ use bevy_plumage::anatomy::Pattern;
 
 const DOWN: u32 = 0xCFC4BC;
 const GOLD: u32 = 0xE8A24A;
+/// Base of the red feathers and what follows it, shaded by those above: white and gold would speckle the coat.
+const BASE: u32 = 0xB8705E;
+const AMBER: u32 = 0xC6502A;
 const SCARLET: u32 = 0xC4231A;
+/// Rims of the red body feathers, by which one is told from the next: width, color and mottling.
+const CRIMSON: (f32, u32, f32) = (0.15, 0xA61F18, 0.45);
 const LIGHT_BLUE: u32 = 0x5DA9DC;
 const BLUE: u32 = 0x1F3F9C;
 const RED_GOLD: u32 = 0xA8431F;
@@ -75,6 +80,12 @@ fn blue_remex(base: f32) -> bevy_plumage::anatomy::Albedo {
     faces(front, back)
 }
 
+/// A red body feather, `downy` of it down.
+fn red(downy: f32, color: u32) -> bevy_plumage::anatomy::Albedo {
+    let (width, rim, mottle) = CRIMSON;
+    rimmed(body(downy, BASE, AMBER, color), width, rim, mottle)
+}
+
 /// M1 to M12.
 pub(super) fn all() -> Vec<Template> {
     let head = Template {
@@ -102,7 +113,7 @@ pub(super) fn all() -> Vec<Template> {
         right: ROUND,
         fringe: 0.08,
         gaps: gaps(3, 0.009, 0.4, 13),
-        albedo: both(body(0.4, DOWN, GOLD, SCARLET)),
+        albedo: red(0.4, SCARLET),
         ..head.clone()
     };
     let primary = Template {
@@ -162,7 +173,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.35,
             gaps: gaps(6, 0.012, 0.45, 15),
-            albedo: both(body(0.46, DOWN, GOLD, 0xB8221A)),
+            albedo: red(0.46, 0xB8221A),
             ..contour.clone()
         },
         Template {
@@ -214,7 +225,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: lesser_micro,
             fringe: 0.03,
             gaps: gaps(2, 0.008, 0.3, 18),
-            albedo: both(body(0.36, DOWN, GOLD, SCARLET)),
+            albedo: red(0.36, SCARLET),
             ..contour.clone()
         },
         Template {
@@ -242,8 +253,8 @@ pub(super) fn all() -> Vec<Template> {
                     (0.0, DOWN, 0.0),
                     (0.2, 0xCDB98A, 0.0),
                     (0.32, 0xF2BC14, 1.0),
-                    (0.82, 0xF2BC14, 1.0),
-                    (0.93, 0x3F8A3A, 0.15),
+                    (0.88, 0xF2BC14, 1.0),
+                    (0.95, 0x3F8A3A, 0.15),
                     (1.0, 0x2E6F86, 0.1),
                 ])
             }),
@@ -294,8 +305,11 @@ pub(super) fn all() -> Vec<Template> {
                         (0.0, DOWN, 0.0),
                         (0.05, 0xB8221A, 0.3),
                         (0.45, SCARLET, 1.0),
-                        (0.72, SCARLET, 1.0),
-                        (0.88, 0x3A5FB0, 0.1),
+                        (0.80, SCARLET, 1.0),
+                        // Red and blue over one another are dark.
+                        (0.83, 0x4A2018, 0.6),
+                        (0.86, 0x1E2C48, 0.2),
+                        (0.91, 0x2F55AC, 0.1),
                         (1.0, 0x1F46A6, 0.0),
                     ])
                 },

@@ -1,7 +1,7 @@
 //! From a few shape and microstructure figures to a [`Feather`].
 
 use bevy_plumage::anatomy::{
-    Albedo, Barbules, ColorShare, Contour, Feather, Gaps, Pattern, Rachis, Spline, Stop, Vane,
+    Albedo, Barbules, ColorShare, Contour, Feather, Gaps, Pattern, Rachis, Rim, Spline, Stop, Vane,
 };
 use bevy_plumage::maths::scattering::{Fibre, FibreKind, Optics, Sheen};
 
@@ -292,6 +292,19 @@ pub(super) fn both(front: Pattern) -> Albedo {
         image: None,
         share: ColorShare::default(),
     }
+}
+
+/// One pattern for both faces with a rim of `width` half widths, and with more mottling than usual: `mottle`.
+pub(super) fn rimmed(pattern: Pattern, width: f32, rgb: u32, mottle: f32) -> Albedo {
+    both(Pattern {
+        rim: Some(Rim {
+            width,
+            color: hex(rgb),
+            tint: 0.15,
+        }),
+        mottle,
+        ..pattern
+    })
 }
 
 /// Two faces.
