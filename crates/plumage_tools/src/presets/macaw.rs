@@ -89,7 +89,8 @@ pub(super) fn all() -> Vec<Template> {
         micro: HEAD,
         fringe: 0.22,
         gaps: gaps(3, 0.012, 0.3, 11),
-        albedo: both(body(0.45, DOWN, GOLD, 0xC9241B)),
+        // Next to the naked face bases are seen: they are short there, and red.
+        albedo: both(body(0.16, 0x8E3A2A, 0xA8321E, 0xC9241B)),
         structural: false,
     };
     let contour = Template {
