@@ -152,6 +152,8 @@ pub(super) fn all() -> Vec<Template> {
             width_mm: 15.0,
             fringe: 0.12,
             gaps: gaps(3, 0.010, 0.35, 14),
+            // As on the head, below whose naked skin it begins.
+            albedo: both(body(0.2, 0x8E3A2A, 0xA8321E, SCARLET)),
             ..contour.clone()
         },
         contour.clone(),

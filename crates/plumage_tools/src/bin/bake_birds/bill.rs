@@ -250,7 +250,9 @@ fn lower(b: &Bill, f: f32, u: f32) -> Texel {
 /// The rim of the gape, with a furrow where the mouth closes.
 fn flesh(b: &Bill, f: f32, u: f32) -> Texel {
     let cere = linear(b.colors[3]);
-    let mut texel = skin(cere, f, u, 0.14);
+    // Towards the cheek it loses its color.
+    let color = mix(cere, linear(0x6E5330), ease(0.35, 1.0, f));
+    let mut texel = skin(color, f, u, 0.14);
     let fold = (-((u - 0.25).abs().min((u - 0.75).abs()) / 0.03).powi(2)).exp();
     texel.height -= 0.5 * fold;
     texel.open = 1.0 - 0.5 * fold;

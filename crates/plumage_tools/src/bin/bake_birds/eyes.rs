@@ -185,7 +185,7 @@ fn rim(species: &Species, u: f32, v: f32) -> Texel {
     Texel {
         color: mix(color, edge, ease(0.27, 0.16, v)),
         height: 0.10 * wrinkle * ease(0.2, 0.4, v) + 0.08 * crease + 0.14 * beads,
-        roughness: 0.62 - 0.3 * wet,
+        roughness: 0.65 - 0.2 * wet,
         open: 1.0 - 0.5 * ease(0.12, 0.0, v) - 0.12 * (0.5 - 0.5 * wrinkle),
     }
 }
@@ -197,8 +197,8 @@ fn horny(color: u32, u: f32, v: f32) -> Texel {
     let fine = noise([8.0 * s, 8.0 * c, 24.0 * v], 18);
     Texel {
         color: linear(color).map(|x| x * (0.9 + 0.3 * rough + 0.1 * fine)),
-        height: 0.35 * rough + 0.12 * fine,
-        roughness: 0.7,
+        height: 0.25 * rough + 0.06 * fine,
+        roughness: 0.9,
         open: 1.0,
     }
 }

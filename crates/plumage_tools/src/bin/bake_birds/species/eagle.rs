@@ -108,7 +108,7 @@ pub fn species() -> Species {
         perch: 35.,
         perch_top: 60.,
         eye: [8.5, 3.6],
-        bare_colors: [0x6E4A1E, 0xDDB540, 0xDDB23C, 0x1B1919],
+        bare_colors: [0x6E4A1E, 0xC29A3A, 0xB08A34, 0x1B1919],
         rigid: [120., 210.],
         arcs: Arcs {
             dorsal: [40., 135., 220., 300.],
@@ -190,7 +190,7 @@ const BILL: Bill = Bill {
         [115.0, 497.5, 115.0, 494.5, 5.5],
     ],
     ridge: 0.35,
-    colors: [0x6C767D, 0x1B1C1F, 0x454C51, 0xDDB540],
+    colors: [0x6C767D, 0x1B1C1F, 0x454C51, 0xC9A03C],
     dark: [0.36, 0.3],
     cere: [0.36, 0.45],
     wedge: [0.0, 0.0],
@@ -198,13 +198,13 @@ const BILL: Bill = Bill {
     rings: [5.0, 0.05],
     // From the cere back to below the eye.
     gape: &[
-        [13.5, 501.5, 104.0],
-        [22.0, 501.0, 97.0],
-        [29.0, 501.5, 88.0],
-        [34.5, 503.0, 79.0],
-        [37.0, 504.5, 72.0],
+        [13.5, 502.5, 104.0],
+        [22.0, 500.5, 97.0],
+        [29.5, 499.5, 88.0],
+        [35.0, 500.5, 79.0],
+        [38.0, 503.0, 72.0],
     ],
-    gape_size: [1.7, 2.1],
+    gape_size: [1.8, 2.3],
 };
 
 /// The ridge that gives the eagle its scowl.
@@ -237,10 +237,10 @@ const NAKED: Naked = Naked {
 
 /// The bony edge of the brow.
 const LEDGE: Ledge = Ledge {
-    path: [[-5.0, 7.0, 18.0], [4.5, 9.5, 5.0], [0.5, 8.0, -13.0]],
-    half: [6.0, 1.5],
-    droop: 0.55,
-    color: 0x3A2E22,
+    path: [[-6.0, 6.5, 17.0], [2.6, 8.6, 5.0], [-1.0, 8.0, -12.0]],
+    half: [5.6, 1.6],
+    droop: 0.8,
+    color: 0x32281E,
 };
 
 const MOTION: Motion = Motion {

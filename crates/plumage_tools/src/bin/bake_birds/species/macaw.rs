@@ -307,7 +307,7 @@ const TRACTS: &[TractRow] = &[
     row("crown", &[Crown], "head", 420, 0, (8., 17.), (4.5, 7.), (10., 6.), (0.05, 10.), (0.1, 1800., HEAD), (0xD23A1E, 0xD23A1E)),
     row("nape", &[Nape], "head", 180, 0, (16., 24.), (8., 10.), (8., 8.), (0.06, 15.), (0.1, 1700., HEAD), (0xD23A1E, 0xD23A1E)),
     row("cheek", &[Cheek], "head", 540, 0, (8., 20.), (5.5, 8.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0xCE381C, 0xCE381C)),
-    row("face_lines", &[Bare], "face_line", 160, 5, (3.5, 5.), (0.8, 1.1), (26., 22.), (0., 0.), (0.1, 1950., HEAD), (0xC4604C, 0xC4604C)),
+    row("face_lines", &[Bare], "face_line", 160, 5, (3.5, 5.), (0.8, 1.1), (26., 22.), (0., 0.), (0.1, 1950., HEAD), (0xE0806A, 0xE0806A)),
     row("neck_dorsal", &[NeckDorsal], "neck", 230, 0, (20., 28.), (13., 17.), (8., 8.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xD23A1E, 0xC8361D)),
     row("neck_ventral", &[NeckVentral], "neck", 340, 0, (16., 28.), (11., 16.), (8., 8.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xCC361D, 0xCC361D)),
     row("mantle", &[Mantle, ScapularMantle], "contour", 108, 8, (32., 46.), (20., 26.), (9., 9.), (0.06, 10.), (0.25, 1400., CONTOUR), (0xC8361D, 0xC4381D)),
