@@ -10,6 +10,7 @@ use bevy_plumage::prelude::*;
 use helper::{
     Args,
     camera::{Shots, shot},
+    posture::Posture,
     scene,
 };
 
@@ -35,6 +36,11 @@ fn main() -> AppExit {
 fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
     commands.spawn((
         scene::bird(&assets, "eagle", 0.0),
+        // It looks towards the camera.
+        Posture {
+            yaw: 20.0,
+            ..default()
+        },
         Plumage::new(assets.load("grooms/eagle.groom.ron"))
             .with_seed(args.seed)
             .with_density(args.density.unwrap_or(1.0)),

@@ -11,6 +11,7 @@ use helper::{
     Args,
     args::Scene,
     camera::{Shots, shot},
+    posture::Posture,
     scene,
 };
 
@@ -41,11 +42,20 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
         _ => 1.0,
     };
     // Position along the branch, metres; turn to the other bird, radians; start of the idle clip, seconds.
-    // The second looks over to the first.
-    let birds = [(-0.17, 0.25, 0.0), (0.17, -0.2, 2.1)];
-    for (i, (x, turn, phase)) in birds.into_iter().enumerate() {
+    // The second looks over to the first, which looks back over its shoulder.
+    let over = Posture {
+        yaw: 66.0,
+        pitch: 4.0,
+        roll: -9.0,
+    };
+    let birds = [
+        (-0.17, 0.25, 0.0, over),
+        (0.17, -0.2, 2.1, Posture::default()),
+    ];
+    for (i, (x, turn, phase, posture)) in birds.into_iter().enumerate() {
         commands.spawn((
             scene::bird(&assets, "parrot", phase),
+            posture,
             Plumage::new(groom.clone())
                 .with_seed(args.seed + i as u64)
                 .with_density(args.density.unwrap_or(density)),
