@@ -110,9 +110,9 @@ fn scutes(species: &Species, [u, v]: [f32; 2], shape: f32, toe: bool) -> Texel {
     let skin = linear(species.bare_colors[2]);
     let (s, c) = (TAU * u).sin_cos();
     let rough = cloud([1.5 * s, 1.5 * c, 4.0 * v * shape], 101);
-    let wave = 0.10 * noise([2.0 * s, 2.0 * c, 3.0 * v], 103);
+    let wave = 0.3 * noise([1.5 * s, 1.5 * c, 4.0 * v * shape], 103);
     // Each plate laps over the next: it rises to its lower edge.
-    let count = 0.5 * ROUND * shape;
+    let count = 0.65 * ROUND * shape;
     let place = v * count + wave + 0.06 * c;
     let step = place.rem_euclid(1.0);
     let broad = ease(0.0, 0.35, step) * ease(1.0, 0.88, step);

@@ -108,7 +108,7 @@ pub fn species() -> Species {
         perch: 18.,
         perch_top: 24.,
         eye: [7.6, 5.6],
-        bare_colors: [0x1C1512, 0xD8C0B0, 0xA99B8D, 0x2A2624],
+        bare_colors: [0x1C1512, 0xD8C0B0, 0x938478, 0x211E1C],
         rigid: [55., 97.],
         arcs: Arcs {
             dorsal: [18.4, 62., 101., 138.],
@@ -132,7 +132,7 @@ pub fn species() -> Species {
         gaze: [0.42, 0.0, 0.91],
         lids: 0x8A6A5C,
         lid_colors: [0x8A6A5C, 0x1C1512],
-        lid_edge: 1.0,
+        lid_edge: 0.94,
         lid_reach: 1.35,
         ledge: None,
         bare: BareFace::Feathered,
