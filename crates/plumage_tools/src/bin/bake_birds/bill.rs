@@ -159,8 +159,7 @@ fn skin(color: [f32; 3], f: f32, u: f32, grain: f32) -> Texel {
 fn upper(b: &Bill, f: f32, u: f32) -> Texel {
     let [base, tip, lower, cere] = b.colors.map(linear);
     let around = TAU * u;
-    let c = around.cos();
-    let s = around.sin();
+    let (s, c) = around.sin_cos();
     let rough = cloud([2.5 * s, 2.5 * c, 6.0 * f], 71);
     let dark = (f + 0.05 * rough - 0.03 * c - b.dark[0]) / b.dark[1];
     let mut texel = horn(mix(base, tip, ease(0.0, 1.0, dark)), b.rings, f, u);
@@ -175,7 +174,7 @@ fn upper(b: &Bill, f: f32, u: f32) -> Texel {
         linear(0x9A8262).map(|x| x * texel.color[1] * 1.6),
         0.4 * streak,
     );
-    // Horn is stained where it grows out, and darker in the light it lets through at its edges.
+    // Horn is stained where it grows out.
     texel.color = mix(
         texel.color,
         texel.color.map(|x| 0.6 * x),

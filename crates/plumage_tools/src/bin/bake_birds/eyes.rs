@@ -94,7 +94,7 @@ fn iris(species: &Species, at: Vec2) -> Texel {
     Texel {
         color: color.map(|x| x * (1.0 - 0.75 * shade)),
         height: 0.0,
-        roughness: 0.12,
+        roughness: 0.16,
         open: 1.0 - 0.6 * shade,
     }
 }

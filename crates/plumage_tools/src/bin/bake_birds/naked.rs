@@ -269,7 +269,7 @@ mod tests {
         for v in &sheet.vertices {
             let rim = tract::bare_distance(&body, v.position.with_x(v.position.x.abs()));
             let over = body.distance(v.position);
-            assert!(over < 1.6 && over > -1.0, "{over} at {}", v.position);
+            assert!(over < 2.0 && over > -1.0, "{over} at {}", v.position);
             if rim < 0.0 {
                 assert!(over > 0.1, "{over} at {}", v.position);
             }

@@ -183,7 +183,7 @@ const BILL: Bill = Bill {
     ],
     ridge: 0.12,
     colors: [0xDDD0B8, 0x1F1C1A, 0x1E1C1C, 0xE4D2C6],
-    dark: [0.86, 0.08],
+    dark: [0.82, 0.1],
     cere: [0.13, 0.0],
     wedge: [0.3, 0.8],
     nostril: [0.1, 48.0, 2.2, 1.6],
@@ -215,7 +215,7 @@ const NAKED: Naked = Naked {
     wrinkle: 2.6,
     blush: 0xDDA99A,
     edge: 3.0,
-    coat: 0xA3241A,
+    coat: 0xAC3427,
     lines: Some(FaceLines {
         first: 11.0,
         pitch: 4.2,
