@@ -10,6 +10,7 @@ use bevy_plumage::prelude::*;
 use helper::{
     Args,
     camera::{Shots, shot},
+    posture::Posture,
     scene,
 };
 
@@ -19,7 +20,7 @@ const SHOTS: Shots = Shots {
     macro_: shot([0.05, 0.38, 0.08], [0.08, 0.39, 0.13], 20.0),
     full: shot([0.0, 0.18, -0.1], [2.3, 0.45, 0.35], 24.0),
     back: shot([0.0, 0.18, -0.05], [-0.9, 0.75, -1.9], 24.0),
-    head: Some(shot([0.0, 0.455, 0.03], [0.95, 0.52, 1.05], 12.0)),
+    head: Some(shot([0.01, 0.487, 0.03], [0.95, 0.545, 1.05], 9.6)),
     far: shot([0.0, 0.2, 0.0], [3.9, 1.1, 5.2], 24.0),
 };
 
@@ -36,6 +37,11 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
     commands.spawn((
         scene::bird(&assets, "eagle", 0.0),
         scene::EAGLE_BREAST,
+        // It looks towards the camera.
+        Posture {
+            yaw: 20.0,
+            ..default()
+        },
         Plumage::new(assets.load("grooms/eagle.groom.ron"))
             .with_seed(args.seed)
             .with_density(args.density.unwrap_or(1.0)),

@@ -11,6 +11,7 @@ use helper::{
     Args,
     args::Scene,
     camera::{Shots, shot},
+    posture::Posture,
     scene,
 };
 
@@ -20,7 +21,7 @@ const SHOTS: Shots = Shots {
     macro_: shot([-0.16, 0.20, 0.05], [-0.111, 0.219, 0.113], 20.0),
     full: shot([0.0, -0.035, -0.13], [2.42, 0.3, 1.08], 16.5),
     back: shot([0.0, -0.03, -0.1], [-0.9, 0.6, -2.3], 19.0),
-    head: Some(shot([0.17, 0.285, 0.06], [0.95, 0.39, 1.15], 12.0)),
+    head: Some(shot([0.165, 0.288, 0.06], [0.95, 0.39, 1.15], 8.6)),
     far: shot([0.0, 0.05, -0.05], [3.9, 1.1, 5.2], 27.0),
 };
 
@@ -41,12 +42,21 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, args: Res<Args>) {
         _ => 1.0,
     };
     // Position along the branch, metres; turn to the other bird, radians; start of the idle clip, seconds.
-    // The second looks over to the first.
-    let birds = [(-0.17, 0.25, 0.0), (0.17, -0.2, 2.1)];
-    for (i, (x, turn, phase)) in birds.into_iter().enumerate() {
+    // The second looks over to the first, which looks back over its shoulder.
+    let over = Posture {
+        yaw: 66.0,
+        pitch: 4.0,
+        roll: -9.0,
+    };
+    let birds = [
+        (-0.17, 0.25, 0.0, over),
+        (0.17, -0.2, 2.1, Posture::default()),
+    ];
+    for (i, (x, turn, phase, posture)) in birds.into_iter().enumerate() {
         commands.spawn((
             scene::bird(&assets, "parrot", phase),
             scene::PARROT_BREAST,
+            posture,
             Plumage::new(groom.clone())
                 .with_seed(args.seed + i as u64)
                 .with_density(args.density.unwrap_or(density)),

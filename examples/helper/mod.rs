@@ -20,6 +20,7 @@ pub mod growth;
 pub mod headless;
 pub mod help;
 pub mod noise;
+pub mod posture;
 pub mod scene;
 pub mod setting;
 pub mod sky;
@@ -124,6 +125,7 @@ fn build(name: &'static str, scene: fn(&mut App), args: &Args) -> App {
         .add_plugins((
             RenderDiagnosticsPlugin,
             scene::ScenePlugin,
+            posture::PosturePlugin,
             camera::CameraPlugin,
             controls::ControlsPlugin,
         ));

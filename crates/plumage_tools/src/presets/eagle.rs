@@ -124,7 +124,8 @@ pub(super) fn all() -> Vec<Template> {
         micro: HEAD,
         fringe: 0.18,
         gaps: gaps(3, 0.012, 0.3, 31),
-        albedo: rimmed(body(0.5, DOWN, 0x46382C, 0x857058), 0.11, 0xA88C68),
+        // Next to the eye and the cere bases are seen: they are short there, and dark.
+        albedo: rimmed(body(0.3, 0x5C4E40, 0x46382C, 0x857058), 0.09, 0x7D6850),
         structural: false,
     };
     let contour = Template {

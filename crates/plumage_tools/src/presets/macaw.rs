@@ -80,10 +80,10 @@ fn blue_remex(base: f32) -> bevy_plumage::anatomy::Albedo {
     faces(front, back)
 }
 
-/// A red body feather, `downy` of it down.
-fn red(downy: f32, color: u32) -> bevy_plumage::anatomy::Albedo {
+/// A red body feather.
+fn red(pattern: Pattern) -> bevy_plumage::anatomy::Albedo {
     let (width, rim, mottle) = CRIMSON;
-    rimmed(body(downy, BASE, AMBER, color), width, rim, mottle)
+    rimmed(pattern, width, rim, mottle)
 }
 
 /// M1 to M12.
@@ -100,7 +100,8 @@ pub(super) fn all() -> Vec<Template> {
         micro: HEAD,
         fringe: 0.22,
         gaps: gaps(3, 0.012, 0.3, 11),
-        albedo: both(body(0.45, DOWN, GOLD, 0xC9241B)),
+        // Next to the naked face bases are seen: they are short there, and red.
+        albedo: both(body(0.16, 0x8E3A2A, 0xA8321E, 0xC9241B)),
         structural: false,
     };
     let contour = Template {
@@ -113,7 +114,7 @@ pub(super) fn all() -> Vec<Template> {
         right: ROUND,
         fringe: 0.08,
         gaps: gaps(3, 0.009, 0.4, 13),
-        albedo: red(0.4, SCARLET),
+        albedo: red(body(0.4, BASE, AMBER, SCARLET)),
         ..head.clone()
     };
     let primary = Template {
@@ -162,6 +163,8 @@ pub(super) fn all() -> Vec<Template> {
             width_mm: 15.0,
             fringe: 0.12,
             gaps: gaps(3, 0.010, 0.35, 14),
+            // As on the head, below whose naked skin it begins.
+            albedo: red(body(0.2, 0x8E3A2A, 0xA8321E, SCARLET)),
             ..contour.clone()
         },
         contour.clone(),
@@ -173,7 +176,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.35,
             gaps: gaps(6, 0.012, 0.45, 15),
-            albedo: red(0.46, 0xB8221A),
+            albedo: red(body(0.46, BASE, AMBER, 0xB8221A)),
             ..contour.clone()
         },
         Template {
@@ -225,7 +228,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: lesser_micro,
             fringe: 0.03,
             gaps: gaps(2, 0.008, 0.3, 18),
-            albedo: red(0.36, SCARLET),
+            albedo: red(body(0.36, BASE, AMBER, SCARLET)),
             ..contour.clone()
         },
         Template {

@@ -6,8 +6,8 @@ use json::validation::Checked::Valid;
 use json::validation::USize64;
 
 use crate::idle;
-use crate::model::Model;
-use crate::parts::Primitive;
+use crate::maps::{self, Maps};
+use crate::model::{Model, Part};
 use crate::species::Species;
 
 const METRES: f32 = 0.001;
@@ -106,15 +106,85 @@ impl Writer {
         )
     }
 
-    fn primitive(&mut self, p: &Primitive, skin: bool, material: u32) -> json::mesh::Primitive {
+    /// An image as a texture, in the file itself.
+    fn texture(&mut self, image: &image::RgbImage) -> Result<json::Index<json::Texture>, String> {
+        let view = self.view(&maps::png(image)?, None);
+        let source = self.root.push(json::Image {
+            buffer_view: Some(view),
+            mime_type: Some(json::image::MimeType("image/png".to_string())),
+            name: None,
+            uri: None,
+            extensions: None,
+            extras: Default::default(),
+        });
+        Ok(self.root.push(json::Texture {
+            name: None,
+            sampler: None,
+            source,
+            extensions: None,
+            extras: Default::default(),
+        }))
+    }
+
+    fn material(&mut self, part: &Part) -> Result<(), String> {
+        let mut material = json::Material {
+            name: Some(part.name.to_string()),
+            pbr_metallic_roughness: json::material::PbrMetallicRoughness {
+                roughness_factor: json::material::StrengthFactor(part.roughness),
+                metallic_factor: json::material::StrengthFactor(0.0),
+                ..Default::default()
+            },
+            ..Default::default()
+        };
+        if let Some(Maps {
+            color,
+            normal,
+            surface,
+        }) = &part.maps
+        {
+            let info = |index| json::texture::Info {
+                index,
+                tex_coord: 0,
+                extensions: None,
+                extras: Default::default(),
+            };
+            let surface = self.texture(surface)?;
+            let pbr = &mut material.pbr_metallic_roughness;
+            pbr.base_color_texture = Some(info(self.texture(color)?));
+            pbr.metallic_roughness_texture = Some(info(surface));
+            material.occlusion_texture = Some(json::material::OcclusionTexture {
+                index: surface,
+                strength: json::material::StrengthFactor(1.0),
+                tex_coord: 0,
+                extensions: None,
+                extras: Default::default(),
+            });
+            material.normal_texture = Some(json::material::NormalTexture {
+                index: self.texture(normal)?,
+                scale: 1.0,
+                tex_coord: 0,
+                extensions: None,
+                extras: Default::default(),
+            });
+        }
+        self.root.push(material);
+        Ok(())
+    }
+
+    fn primitive(&mut self, part: &Part, material: u32) -> json::mesh::Primitive {
         use json::mesh::Semantic;
+        let p = &part.primitive;
         let v = &p.vertices;
         let position: Vec<[f32; 3]> = v.iter().map(|v| (v.position * METRES).to_array()).collect();
         let normal: Vec<[f32; 3]> = v.iter().map(|v| v.normal.to_array()).collect();
         let uv: Vec<[f32; 2]> = v.iter().map(|v| v.uv).collect();
+        // Where a texture has the colors, vertices are white.
         let color: Vec<[f32; 4]> = v
             .iter()
-            .map(|v| [v.color[0], v.color[1], v.color[2], 1.0])
+            .map(|v| match part.maps {
+                Some(_) => [1.0; 4],
+                None => [v.color[0], v.color[1], v.color[2], 1.0],
+            })
             .collect();
         let weights: Vec<[f32; 4]> = v.iter().map(|v| v.binding.1).collect();
         let joints: Vec<u8> = v
@@ -140,7 +210,11 @@ impl Writer {
                 None,
             ),
         ));
-        if skin {
+        if part.maps.is_some() {
+            let tangent: Vec<[f32; 4]> = v.iter().map(|v| v.tangent).collect();
+            attributes.push((Semantic::Tangents, self.floats(&tangent, true, false)));
+        }
+        if part.skin {
             let tract: Vec<[f32; 2]> = v.iter().map(|v| v.tract).collect();
             attributes.push((Semantic::TexCoords(1), self.floats(&tract, true, false)));
         }
@@ -187,16 +261,8 @@ pub fn write(species: &Species, model: &Model) -> Result<Vec<u8>, String> {
     w.root.asset.generator = Some("bevy_plumage bake_birds".to_string());
     let mut primitives = Vec::new();
     for (i, part) in model.parts.iter().enumerate() {
-        w.root.push(json::Material {
-            name: Some(part.name.to_string()),
-            pbr_metallic_roughness: json::material::PbrMetallicRoughness {
-                roughness_factor: json::material::StrengthFactor(part.roughness),
-                metallic_factor: json::material::StrengthFactor(0.0),
-                ..Default::default()
-            },
-            ..Default::default()
-        });
-        primitives.push(w.primitive(&part.primitive, part.skin, i as u32));
+        w.material(part)?;
+        primitives.push(w.primitive(part, i as u32));
     }
     let hard = primitives.split_off(1);
     for (name, primitives) in [("body", primitives), ("parts", hard)] {

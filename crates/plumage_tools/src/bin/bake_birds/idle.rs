@@ -2,7 +2,7 @@
 
 use bevy::math::{Quat, Vec3};
 
-use crate::parts;
+use crate::eyes;
 use crate::skeleton::{Pose, Skeleton};
 use crate::species::{Species, WingPose};
 use crate::wing::WingPlane;
@@ -153,7 +153,7 @@ pub fn pose(species: &Species, skeleton: &Skeleton, t: f32) -> Pose {
         .iter()
         .map(|b| pulse(t, *b, *b + 0.16, 0.06, 1.0))
         .sum();
-    let axis = parts::lid_axis(species);
+    let axis = eyes::lid_axis(species);
     for (side, left) in [("L", true), ("R", false)] {
         let lower = Quat::from_axis_angle(axis, (88.0 * shut).to_radians());
         let higher = Quat::from_axis_angle(axis, (-42.0 * shut).to_radians());

@@ -3,20 +3,25 @@
 //!
 //! `cargo run -p plumage_tools --bin bake_birds -- --out assets --preview target/preview`
 
+mod bill;
 mod body;
 mod clip;
+mod eyes;
+mod feet;
 mod glb;
 mod idle;
 mod loft;
+mod maps;
 mod model;
+mod naked;
 mod nets;
-mod parts;
 mod plumage;
 mod preview;
 mod rows;
 mod skeleton;
 mod species;
 mod tract;
+mod tube;
 mod weights;
 mod wing;
 

@@ -2,13 +2,18 @@
 
 use std::collections::BTreeMap;
 
+use crate::bill;
 use crate::body::Body;
 use crate::clip;
+use crate::eyes;
+use crate::feet;
+use crate::maps::Maps;
+use crate::naked;
 use crate::nets;
-use crate::parts::{self, Primitive, Vertex};
 use crate::skeleton::Skeleton;
 use crate::species::{Species, linear};
 use crate::tract::{self, Tract};
+use crate::tube::{Primitive, Vertex};
 use crate::weights;
 
 /// A primitive with its material.
@@ -17,8 +22,10 @@ pub struct Part {
     pub name: &'static str,
     /// Geometry.
     pub primitive: Primitive,
-    /// Perceptual roughness, 0..1.
+    /// Perceptual roughness, 0..1, of what has no textures.
     pub roughness: f32,
+    /// Textures.
+    pub maps: Option<Maps>,
     /// Carries tract numbers in `TEXCOORD_1`.
     pub skin: bool,
 }
@@ -36,7 +43,7 @@ pub struct Model {
 /// Builds the bird.
 pub fn build(species: &Species) -> Model {
     let body = Body::new(species);
-    let skeleton = Skeleton::new(species, &parts::toe_joints(species));
+    let skeleton = Skeleton::new(species, &feet::toe_joints(species));
     let mut surface = nets::polygonise(&body);
     let plane = species.arcs.head_plane - 4.0;
     if species.fine_head {
@@ -58,38 +65,44 @@ pub fn build(species: &Species) -> Model {
                 let dark = if naked { 1.0 } else { 0.4 };
                 let shade = linear(species.skin_color(tract)).map(|c: f32| c * srgb_factor(dark));
                 let phi = tract::phi(&body, tract, p);
+                let uv = [tract as u32 as f32 / 32.0, phi];
                 skin.vertices.push(Vertex {
-                    position: p,
                     normal: normals[i as usize],
-                    uv: [tract as u32 as f32 / 32.0, phi],
                     tract: [tract as u32 as f32, phi],
                     color: shade,
-                    binding: bindings[i as usize],
+                    ..Vertex::new(p, uv, bindings[i as usize])
                 });
                 skin.vertices.len() as u32 - 1
             })
         });
         skin.triangles.push(triangle);
     }
-    let part = |name, primitive, roughness| Part {
+    let part = |name, (primitive, maps)| Part {
         name,
         primitive,
-        roughness,
+        roughness: 1.0,
+        maps: Some(maps),
         skin: false,
     };
-    let parts = vec![
+    let bill = bill::bill(species, &skeleton);
+    let face = species
+        .naked
+        .map(|sheet| naked::face(&body, &skeleton, &sheet, &bill.0));
+    let mut parts = vec![
         Part {
             name: "skin",
             primitive: skin,
             roughness: 0.85,
+            maps: None,
             skin: true,
         },
-        part("bill", parts::bill(species, &skeleton), 0.38),
-        part("eyes", parts::eyes(species, &skeleton), 0.06),
-        part("lids", parts::lids(species, &skeleton), 0.6),
-        part("feet", parts::feet(species, &skeleton), 0.6),
-        part("claws", parts::claws(species, &skeleton), 0.35),
+        part("bill", bill),
+        part("eyes", eyes::eyes(species, &skeleton)),
+        part("lids", eyes::lids(species, &skeleton, &body)),
+        part("feet", feet::feet(species, &skeleton)),
+        part("claws", feet::claws(species, &skeleton)),
     ];
+    parts.extend(face.map(|face| part("face", face)));
     Model {
         parts,
         skeleton,

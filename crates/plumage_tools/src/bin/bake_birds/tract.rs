@@ -2,8 +2,8 @@
 
 use bevy::math::Vec3;
 
-use crate::body::{Body, Parts, smooth_min};
-use crate::species::{BareFace, EyeRim, Rounded};
+use crate::body::{Body, Parts};
+use crate::species::{BareFace, EyeRim, FaceLines};
 
 /// Number of a tract, as written to `TEXCOORD_1.x`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -220,35 +220,18 @@ fn eye_rim(body: &Body, q: Vec3, naked: bool) -> bool {
 }
 
 fn bare(body: &Body, q: Vec3) -> bool {
-    match body.species.bare {
-        BareFace::Feathered => false,
-        BareFace::Patch(face) => {
-            let [lean, level] = face.slant;
-            let [sink, front] = face.droop;
-            let patch = face.patch.distance(
-                q.z - face.patch.at[0] - lean * (level - q.y),
-                q.y - face.patch.at[1] + sink * (q.z - front).max(0.0),
-            );
-            let rim = face
-                .rim
-                .distance(q.z - face.rim.at[0], q.y - face.rim.at[1]);
-            smooth_min(patch, rim, face.blend) < 0.0
-        }
-        BareFace::Cere(cere) => {
-            (q.z - cere.at[0]).hypot(q.y - cere.at[1]) < cere.radius - cere.taper * q.x * q.x
-                && q.z > cere.ahead
-        }
-    }
+    bare_distance(body, q) < 0.0
 }
 
-impl Rounded {
-    /// Distance of a point at (x, y) from its centre.
-    fn distance(&self, x: f32, y: f32) -> f32 {
-        let (u, v) = (
-            x.abs() - self.half[0] + self.radius,
-            y.abs() - self.half[1] + self.radius,
-        );
-        u.max(0.0).hypot(v.max(0.0)) + u.max(v).min(0.0) - self.radius
+/// How far a point lies outside the naked skin of the face, mm; negative inside. `q.x` is not negative.
+pub fn bare_distance(body: &Body, q: Vec3) -> f32 {
+    match body.species.bare {
+        BareFace::Feathered => f32::MAX,
+        BareFace::Patch(patch) => patch.distance(q.z, q.y),
+        BareFace::Cere(cere) => {
+            let radius = cere.radius - cere.taper * q.x * q.x;
+            ((q.z - cere.at[0]).hypot(q.y - cere.at[1]) - radius).max(cere.ahead - q.z)
+        }
     }
 }
 
@@ -324,7 +307,14 @@ pub fn phi(body: &Body, tract: Tract, p: Vec3) -> f32 {
     let neck_end = s.trunk[12][0];
     let c = || body.wing.chord(q);
     let value = match tract {
-        Tract::Bare | Tract::Lore | Tract::EyeRing => (front - q.z) / 40.0,
+        Tract::Bare | Tract::Lore | Tract::EyeRing => match s.naked.and_then(|face| face.lines) {
+            // Rows of feathers stand on the lines.
+            Some(lines) => {
+                let from = q - s.joint("eye_L");
+                (lines.line(from.z, from.y) + 0.5) / FaceLines::COUNT
+            }
+            None => (front - q.z) / 40.0,
+        },
         Tract::Disc => s.disc.map_or(0.0, |disc| disc.share(q)),
         Tract::Ruff => s.disc.map_or(0.0, |disc| (disc.share(q) - 1.0) / disc.ruff),
         Tract::Crown => (front - q.z) / (front - joint - arcs.nape),

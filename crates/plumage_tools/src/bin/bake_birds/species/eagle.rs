@@ -2,7 +2,7 @@
 
 use super::coat::{self, RowLook, TailCoverts, TractRow, look, row};
 use super::coat::{CONTOUR, HEAD, LESSER, TRUNK};
-use super::face::{BareFace, Bill, Brow, Cere, EyeRim, LoreArea};
+use super::face::{BareFace, Bill, Brow, Cere, EyeRim, Ledge, LoreArea, Naked};
 use super::motion::{Jaw, Motion};
 use super::{Arcs, Shoulder, Species, WingPose};
 use crate::tract::Tract::{self, *};
@@ -49,8 +49,8 @@ pub fn species() -> Species {
             ("jaw", [0., 504., 72.]),
             ("upper_bill", [0., 519., 94.]),
             ("eye_L", [31.5, 523., 75.5]),
-            ("lid_up_L", [31.5, 523., 75.5]),
-            ("lid_lo_L", [31.5, 523., 75.5]),
+            ("lid_up_L", [32.8, 523., 76.3]),
+            ("lid_lo_L", [32.8, 523., 76.3]),
             ("tail", [0., 161., -118.]),
             ("tail_fan_L", [16., 151., -126.]),
             ("scap_L", [30., 406., 50.]),
@@ -108,7 +108,7 @@ pub fn species() -> Species {
         perch: 35.,
         perch_top: 60.,
         eye: [8.5, 3.6],
-        bare_colors: [0x8C5A1E, 0xE8B62C, 0xE8B62C, 0x1B1919],
+        bare_colors: [0x6E4A1E, 0xB48E36, 0x98782E, 0x1B1919],
         rigid: [120., 210.],
         arcs: Arcs {
             dorsal: [40., 135., 220., 300.],
@@ -137,7 +137,12 @@ pub fn species() -> Species {
         bill: BILL,
         gaze: [0.84, 0.02, 0.54],
         lids: 0x3A2C20,
+        lid_colors: [0x6B5A3A, 0x14100D],
+        lid_edge: 0.95,
+        lid_reach: 1.55,
+        ledge: Some(LEDGE),
         bare: BareFace::Cere(CERE),
+        naked: Some(NAKED),
         eye_rim: EyeRim::Oval {
             half: [9.5, 12.0],
             ahead: 2.5,
@@ -161,27 +166,45 @@ pub fn species() -> Species {
     }
 }
 
+#[rustfmt::skip]
 const BILL: Bill = Bill {
     upper_at: [514., 90.],
-    upper_base: [30., 28.],
-    upper_tip: [3.5, 3.5],
-    upper_curve: [8., 14., 24., 92., 2.0],
-    lower_at: [500., 86.],
-    lower_base: [15., 22., 34.],
-    lower_axis: [0., -2.],
-    colors: [0x5E666C, 0x2A2B30, 0x4A5056, 0xE8B62C],
-    dark: [0.35, 0.35],
-    cere: true,
-    wedge: false,
-    nostril: [0.16, 0.8],
-    lower_taper: [0.8, 0.75],
+    upper: &[
+        [88.0, 530.5, 86.0, 499.5, 28.0],
+        [95.0, 531.0, 92.0, 499.5, 29.0],
+        [102.0, 530.0, 98.0, 499.5, 29.5],
+        [109.0, 527.0, 104.0, 499.0, 27.5],
+        [117.0, 523.0, 108.5, 498.0, 24.0],
+        [124.0, 516.5, 112.0, 496.5, 20.5],
+        [128.5, 508.0, 115.0, 494.0, 16.5],
+        [130.5, 499.0, 118.0, 490.5, 12.5],
+        [129.5, 490.0, 121.0, 486.0, 8.0],
+        [125.5, 480.5, 123.5, 480.0, 2.5],
+    ],
+    lower: &[
+        [80.0, 504.0, 80.0, 493.0, 16.0],
+        [88.0, 504.0, 88.0, 490.5, 23.0],
+        [96.0, 503.5, 96.0, 490.0, 22.5],
+        [104.0, 502.5, 104.0, 491.0, 19.0],
+        [110.5, 500.0, 110.5, 492.5, 13.5],
+        [115.0, 497.5, 115.0, 494.5, 5.5],
+    ],
+    ridge: 0.35,
+    colors: [0x6C767D, 0x1B1C1F, 0x454C51, 0xB48E36],
+    dark: [0.36, 0.3],
+    cere: [0.36, 0.45],
+    wedge: [0.0, 0.0],
+    nostril: [0.25, 56.0, 2.6, 1.4],
+    rings: [5.0, 0.05],
     // From the cere back to below the eye.
     gape: &[
-        [13.0, 503.0, 104.0],
-        [22.0, 502.0, 96.0],
-        [29.5, 502.5, 86.0],
-        [34.5, 504.0, 77.0],
+        [13.5, 502.5, 104.0],
+        [22.0, 500.5, 97.0],
+        [29.5, 499.5, 88.0],
+        [35.0, 500.5, 79.0],
+        [38.0, 503.0, 72.0],
     ],
+    gape_size: [1.8, 2.3],
 };
 
 /// The ridge that gives the eagle its scowl.
@@ -197,6 +220,27 @@ const CERE: Cere = Cere {
     radius: 19.5,
     taper: 0.05,
     ahead: 94.0,
+};
+
+/// Skin round the cere.
+const NAKED: Naked = Naked {
+    axis: 80.0,
+    turn: 90.0,
+    height: [540.0, 494.0],
+    fringe: 2.5,
+    wrinkle: 3.2,
+    blush: 0x8E6E22,
+    edge: 1.5,
+    coat: 0x6E5226,
+    lines: None,
+};
+
+/// The bony edge of the brow.
+const LEDGE: Ledge = Ledge {
+    path: [[-6.0, 6.5, 17.0], [2.6, 8.6, 5.0], [-1.0, 8.0, -12.0]],
+    half: [5.6, 1.6],
+    droop: 0.8,
+    color: 0x32281E,
 };
 
 const MOTION: Motion = Motion {
@@ -251,7 +295,7 @@ const TEMPLATES: [&str; 14] = [
 /// Color of the skin below the coat.
 const SKIN: &[(&[Tract], u32)] = &[
     (&[Bare], 0xE8B62C),
-    (&[Crown], 0x856F58),
+    (&[Crown], 0x7A6650),
     (&[Nape, NeckDorsal], 0xA9875F),
     (&[Cheek, NeckVentral], 0x58493C),
     (&[Lore], 0x473D34),
@@ -268,9 +312,9 @@ const SKIN: &[(&[Tract], u32)] = &[
 /// Scattered tracts.
 #[rustfmt::skip]
 const TRACTS: &[TractRow] = &[
-    row("crown", &[Crown], "head", 480, 0, (12., 26.), (6., 9.), (10., 7.), (0.06, 10.), (0.1, 1800., HEAD), (0x856F58, 0xB08A62)),
+    row("crown", &[Crown], "head", 480, 0, (12., 26.), (6., 9.), (10., 7.), (0.06, 10.), (0.1, 1800., HEAD), (0x665443, 0xB08A62)),
     row("nape", &[Nape], "hackle", 150, 0, (35., 60.), (10., 14.), (9., 9.), (0.12, 10.), (0.15, 1700., CONTOUR), (0xC49F6D, 0xC49F6D)),
-    row("face", &[Cheek, Lore], "head", 956, 0, (8., 24.), (5.5, 9.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0x5A4B3D, 0x615141)),
+    row("face", &[Cheek, Lore], "head", 956, 0, (8., 24.), (5.5, 9.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0x54463A, 0x77614A)),
     row("lore", &[Lore], "bristle", 70, 0, (6., 12.), (1., 1.5), (25., 25.), (0., 0.), (0.5, 1950., (2, 1)), (0x382F27, 0x382F27)),
     row("neck_dorsal", &[NeckDorsal], "hackle", 280, 0, (40., 100.), (13., 19.), (9., 9.), (0.08, 12.), (0.2, 1600., CONTOUR), (0x7A6146, 0x463B31)),
     row("neck_ventral", &[NeckVentral], "body", 300, 0, (26., 56.), (14., 21.), (9., 9.), (0.08, 14.), (0.2, 1600., CONTOUR), (0x5A4B3D, 0x4A3E34)),

@@ -4,37 +4,36 @@ use std::f32::consts::TAU;
 
 use bevy::math::{Vec2, Vec3};
 
+/// A slice through one half of a bill: place (z, y) of its upper and of its lower edge in the middle plane, and its width; mm.
+pub type Slice = [f32; 5];
+
 /// Both halves of a bill, mm.
 #[derive(Clone, Copy, Debug)]
 pub struct Bill {
-    /// Upper: centre of its base (y, z).
+    /// Middle of the upper half's base (y, z), from which the plumage of the head lies away.
     pub upper_at: [f32; 2],
-    /// Upper: base height and width.
-    pub upper_base: [f32; 2],
-    /// Upper: height and width at the tip.
-    pub upper_tip: [f32; 2],
-    /// Upper: start direction below horizontal, degrees; straight length; arc radius; turn in degrees; taper exponent.
-    pub upper_curve: [f32; 5],
-    /// Lower: centre of its base (y, z).
-    pub lower_at: [f32; 2],
-    /// Lower: base height and width, length.
-    pub lower_base: [f32; 3],
-    /// Lower: linear and quadratic drop of the axis over its length.
-    pub lower_axis: [f32; 2],
+    /// Upper half, base to tip: the upper edge is the ridge (culmen), the lower one cuts (tomium).
+    pub upper: &'static [Slice],
+    /// Lower half, base to tip.
+    pub lower: &'static [Slice],
+    /// Share of the width that the ridge lacks.
+    pub ridge: f32,
     /// Colors of base, tip, lower jaw and cere.
     pub colors: [u32; 4],
     /// Share of the length at which the base's color begins to give way to the tip's, and over which it does.
     pub dark: [f32; 2],
-    /// A cere covers the straight part and the base of the lower jaw.
-    pub cere: bool,
-    /// A black wedge runs from the gape along the lower edge.
-    pub wedge: bool,
-    /// Place of the nostril: share of the length, cosine from the ridge.
-    pub nostril: [f32; 2],
-    /// Lower: shares of height and width lost towards the tip.
-    pub lower_taper: [f32; 2],
+    /// Share of the upper half's length that a cere covers, and of the lower half's that its skin does.
+    pub cere: [f32; 2],
+    /// A black wedge along the cutting edge: share of the height at the base, share of the length at which it ends.
+    pub wedge: [f32; 2],
+    /// Place of the nostril: share of the length, angle from the ridge in degrees; its half length and half height, mm.
+    pub nostril: [f32; 4],
+    /// Growth rings on the upper half, and their height, mm.
+    pub rings: [f32; 2],
     /// Fleshy rim of the gape on the left, points from the bill backwards; empty without one.
     pub gape: &'static [[f32; 3]],
+    /// Half width and half height of that rim, mm.
+    pub gape_size: [f32; 2],
 }
 
 /// A ridge above the eye: a cone beside the eye's centre, mm.
@@ -61,30 +60,30 @@ pub enum BareFace {
     Cere(Cere),
 }
 
-/// A rectangle with rounded corners in (z, y), mm.
+/// A patch with rounded corners, seen from the side.
 #[derive(Clone, Copy, Debug)]
-pub struct Rounded {
-    /// Centre (z, y).
-    pub at: [f32; 2],
-    /// Half width and height.
-    pub half: [f32; 2],
-    /// Radius of the corners.
+pub struct Patch {
+    /// Corners (z, y) of a convex outline, mm, from the bill's top over the eye backwards and down.
+    pub corners: &'static [[f32; 2]],
+    /// By how much the patch reaches beyond them: the radius of its corners, mm.
     pub radius: f32,
 }
 
-/// A rounded patch round the eye, joined to a rim round the bill.
-#[derive(Clone, Copy, Debug)]
-pub struct Patch {
-    /// The patch.
-    pub patch: Rounded,
-    /// How far it leans forward per mm below a height, and that height.
-    pub slant: [f32; 2],
-    /// How far it sinks per mm before a z, and that z.
-    pub droop: [f32; 2],
-    /// The rim.
-    pub rim: Rounded,
-    /// Smooth-union radius of both.
-    pub blend: f32,
+impl Patch {
+    /// Distance of a point (z, y) from the patch, negative inside it.
+    pub fn distance(&self, z: f32, y: f32) -> f32 {
+        let p = Vec2::new(z, y);
+        let corners = self.corners.iter().map(|c| Vec2::from_array(*c));
+        let next = corners.clone().cycle().skip(1);
+        let (mut nearest, mut beyond) = (f32::MAX, f32::MIN);
+        for (a, b) in corners.zip(next) {
+            let side = b - a;
+            let t = ((p - a).dot(side) / side.length_squared()).clamp(0.0, 1.0);
+            nearest = nearest.min(p.distance(a + side * t));
+            beyond = beyond.max((p - a).perp_dot(side) / side.length());
+        }
+        (if beyond > 0.0 { nearest } else { -nearest }) - self.radius
+    }
 }
 
 /// A disc round the base of the bill.
@@ -116,6 +115,63 @@ pub enum EyeRim {
         /// It lies beyond this x, mm.
         beyond: f32,
     },
+}
+
+/// The sheet of naked skin over the face, which carries its texture.
+#[derive(Clone, Copy, Debug)]
+pub struct Naked {
+    /// z of a vertical axis within the head, from which the face is seen in all directions, mm.
+    pub axis: f32,
+    /// How far the sheet reaches round from straight ahead, degrees.
+    pub turn: f32,
+    /// Its upper and lower end, y in mm.
+    pub height: [f32; 2],
+    /// How far it reaches under the feathers round it, mm.
+    pub fringe: f32,
+    /// Width of its wrinkles, mm.
+    pub wrinkle: f32,
+    /// Color of its folds.
+    pub blush: u32,
+    /// How far from the rim short feathers begin, mm.
+    pub edge: f32,
+    /// Color of these.
+    pub coat: u32,
+    /// Lines of tiny feathers round the eye.
+    pub lines: Option<FaceLines>,
+}
+
+/// Lines of tiny feathers on naked skin.
+#[derive(Clone, Copy, Debug)]
+pub struct FaceLines {
+    /// Distance of the first from the eye's centre, mm.
+    pub first: f32,
+    /// Distance from one to the next, mm.
+    pub pitch: f32,
+    /// Their color.
+    pub color: u32,
+}
+
+impl FaceLines {
+    /// How many lines there are.
+    pub const COUNT: f32 = 5.0;
+
+    /// Number of the line at (z, y) from the eye's centre, 0 at the first: ovals, flatter than circles.
+    pub fn line(&self, z: f32, y: f32) -> f32 {
+        ((0.8 * z).hypot(1.05 * y) - self.first) / self.pitch
+    }
+}
+
+/// A ledge of skin and bone above the eye, which shades it.
+#[derive(Clone, Copy, Debug)]
+pub struct Ledge {
+    /// Front end, middle, hind end, from the eye's centre, mm.
+    pub path: [[f32; 3]; 3],
+    /// Half width outwards and half thickness, mm.
+    pub half: [f32; 2],
+    /// How far it falls per mm outwards.
+    pub droop: f32,
+    /// Its color.
+    pub color: u32,
 }
 
 /// Skin between eye and bill that carries bristles, relative to the eye's centre, mm.

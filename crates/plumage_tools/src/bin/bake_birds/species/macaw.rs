@@ -2,7 +2,7 @@
 
 use super::coat::{self, RowLook, TailCoverts, TractRow, look, row};
 use super::coat::{CONTOUR, HEAD, LESSER, TRUNK};
-use super::face::{BareFace, Bill, EyeRim, Patch, Rounded};
+use super::face::{BareFace, Bill, EyeRim, FaceLines, Naked, Patch};
 use super::motion::{Flick, Grip, Jaw, Motion};
 use super::{Arcs, Shoulder, Species, WingPose};
 use crate::tract::Tract::{self, *};
@@ -49,8 +49,8 @@ pub fn species() -> Species {
             ("jaw", [0., 299., 80.]),
             ("upper_bill", [0., 325., 92.]),
             ("eye_L", [26.2, 319., 72.]),
-            ("lid_up_L", [26., 319., 72.]),
-            ("lid_lo_L", [26., 319., 72.]),
+            ("lid_up_L", [28.1, 319.1, 72.7]),
+            ("lid_lo_L", [28.1, 319.1, 72.7]),
             ("tail", [0., 53., -74.]),
             ("tail_fan_L", [10., 46., -80.]),
             ("scap_L", [20., 215., 45.]),
@@ -107,8 +107,8 @@ pub fn species() -> Species {
         backward: [true, false, false, true],
         perch: 22.,
         perch_top: 24.,
-        eye: [6.5, 2.5],
-        bare_colors: [0xE8D98A, 0xF0E3D8, 0x3A3633, 0x1B1919],
+        eye: [6.5, 2.3],
+        bare_colors: [0xE8D98A, 0xF0E2DB, 0x3A3633, 0x1B1919],
         rigid: [85., 150.],
         arcs: Arcs {
             dorsal: [28., 95., 155., 212.],
@@ -136,8 +136,13 @@ pub fn species() -> Species {
         brow: None,
         bill: BILL,
         gaze: [0.93, 0.05, 0.36],
-        lids: 0xD9C8BC,
+        lids: 0xE3CFC2,
+        lid_colors: [0xC9AFA2, 0x2B2320],
+        lid_edge: 0.88,
+        lid_reach: 1.5,
+        ledge: None,
         bare: BareFace::Patch(PATCH),
+        naked: Some(NAKED),
         eye_rim: EyeRim::OnBareSkin(1.5),
         lore: None,
         disc: None,
@@ -152,37 +157,70 @@ pub fn species() -> Species {
     }
 }
 
+#[rustfmt::skip]
 const BILL: Bill = Bill {
     upper_at: [297., 91.],
-    upper_base: [49., 36.],
-    upper_tip: [3., 3.],
-    upper_curve: [24., 0., 37., 86., 2.3],
-    lower_at: [279., 78.],
-    lower_base: [34., 38., 36.],
-    lower_axis: [-8., 10.],
-    colors: [0xE9DCC3, 0x1F1C1A, 0x1C1A1A, 0xF0E3D8],
-    dark: [0.84, 0.1],
-    cere: false,
-    wedge: true,
-    nostril: [0.05, 0.62],
-    lower_taper: [0.75, 0.45],
+    upper: &[
+        [95.0, 320.0, 84.0, 284.0, 35.0],
+        [104.0, 319.0, 92.0, 282.5, 36.0],
+        [113.0, 315.0, 98.5, 280.0, 35.0],
+        [120.5, 307.5, 103.5, 276.0, 32.5],
+        [125.5, 297.0, 106.5, 271.5, 29.0],
+        [127.0, 286.0, 108.5, 267.0, 24.5],
+        [125.0, 275.0, 110.0, 262.5, 19.0],
+        [120.0, 264.0, 111.0, 258.0, 12.0],
+        [112.5, 254.0, 111.0, 253.0, 3.0],
+    ],
+    lower: &[
+        [74.0, 285.0, 77.0, 268.0, 20.0],
+        [79.0, 287.0, 80.0, 263.0, 33.0],
+        [86.0, 287.0, 86.0, 257.0, 37.0],
+        [93.0, 285.0, 92.5, 254.5, 36.5],
+        [100.0, 282.0, 98.5, 255.0, 34.0],
+        [106.0, 277.0, 104.0, 257.5, 29.0],
+        [110.0, 271.5, 108.5, 261.0, 21.0],
+        [111.5, 267.5, 111.0, 264.0, 11.0],
+    ],
+    ridge: 0.12,
+    colors: [0xDDD0B8, 0x1F1C1A, 0x1E1C1C, 0xE4D2C6],
+    dark: [0.82, 0.1],
+    cere: [0.13, 0.0],
+    wedge: [0.3, 0.8],
+    nostril: [0.1, 48.0, 2.2, 1.6],
+    rings: [6.0, 0.16],
     gape: &[],
+    gape_size: [0.0, 0.0],
 };
 
+/// A triangle from the bill to behind the eye, narrow at the jaw.
 const PATCH: Patch = Patch {
-    patch: Rounded {
-        at: [84.5, 309.0],
-        half: [25.0, 20.0],
-        radius: 15.0,
-    },
-    slant: [0.25, 312.0],
-    droop: [0.5, 84.0],
-    rim: Rounded {
-        at: [112.0, 286.0],
-        half: [21.0, 26.0],
-        radius: 8.0,
-    },
-    blend: 10.0,
+    corners: &[
+        [108.0, 306.5],
+        [74.0, 323.5],
+        [64.0, 316.0],
+        [66.0, 307.0],
+        [88.0, 272.0],
+        [98.0, 264.0],
+        [116.0, 264.0],
+        [126.0, 290.0],
+    ],
+    radius: 7.0,
+};
+
+const NAKED: Naked = Naked {
+    axis: 62.0,
+    turn: 112.0,
+    height: [336.0, 250.0],
+    fringe: 5.5,
+    wrinkle: 2.6,
+    blush: 0xDDA99A,
+    edge: 3.0,
+    coat: 0xAC3427,
+    lines: Some(FaceLines {
+        first: 11.0,
+        pitch: 4.2,
+        color: 0xA83A22,
+    }),
 };
 
 const MOTION: Motion = Motion {
@@ -269,7 +307,7 @@ const TRACTS: &[TractRow] = &[
     row("crown", &[Crown], "head", 420, 0, (8., 17.), (4.5, 7.), (10., 6.), (0.05, 10.), (0.1, 1800., HEAD), (0xD23A1E, 0xD23A1E)),
     row("nape", &[Nape], "head", 180, 0, (16., 24.), (8., 10.), (8., 8.), (0.06, 15.), (0.1, 1700., HEAD), (0xD23A1E, 0xD23A1E)),
     row("cheek", &[Cheek], "head", 540, 0, (8., 20.), (5.5, 8.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0xCE381C, 0xCE381C)),
-    row("face_lines", &[Bare], "face_line", 160, 5, (2., 4.), (1.2, 2.), (20., 20.), (0., 0.), (0.1, 1950., HEAD), (0xF1E4D8, 0xF1E4D8)),
+    row("face_lines", &[Bare], "face_line", 160, 5, (3.5, 5.), (0.8, 1.1), (26., 22.), (0., 0.), (0.1, 1950., HEAD), (0xE0806A, 0xE0806A)),
     row("neck_dorsal", &[NeckDorsal], "neck", 230, 0, (20., 28.), (13., 17.), (8., 8.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xD23A1E, 0xC8361D)),
     row("neck_ventral", &[NeckVentral], "neck", 340, 0, (16., 28.), (11., 16.), (8., 8.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xCC361D, 0xCC361D)),
     row("mantle", &[Mantle, ScapularMantle], "contour", 108, 8, (32., 46.), (20., 26.), (9., 9.), (0.06, 10.), (0.25, 1400., CONTOUR), (0xC8361D, 0xC4381D)),

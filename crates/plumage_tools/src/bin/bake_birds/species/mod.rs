@@ -12,7 +12,7 @@ use bevy::math::Vec3;
 use crate::tract::Tract;
 
 pub use coat::{RowLook, TailCoverts, TractRow};
-pub use face::{BareFace, Bill, Brow, Disc, EyeRim, LoreArea, Rounded};
+pub use face::{BareFace, Bill, Brow, Disc, EyeRim, FaceLines, Ledge, LoreArea, Naked, Slice};
 pub use motion::Motion;
 
 /// All birds.
@@ -160,8 +160,18 @@ pub struct Species {
     pub gaze: [f32; 3],
     /// Color of the lids.
     pub lids: u32,
+    /// Colors of the lids next to the eye, and of their edge.
+    pub lid_colors: [u32; 2],
+    /// Half the angle under which the open eye is seen from its centre, radians.
+    pub lid_edge: f32,
+    /// How far the lids reach outwards, in radii of the eye.
+    pub lid_reach: f32,
+    /// Ledge above the eye.
+    pub ledge: Option<Ledge>,
     /// Naked skin of the face.
     pub bare: BareFace,
+    /// The sheet that carries the texture of the naked skin.
+    pub naked: Option<Naked>,
     /// Naked rim of the eye.
     pub eye_rim: EyeRim,
     /// Bristles between eye and bill.
