@@ -18,7 +18,7 @@ const GRID: [usize; 2] = [56, 60];
 /// How far from the vertical axis within the head its surface is looked for, mm.
 const REACH: f32 = 60.0;
 /// Height of the sheet over the skin, mm.
-const OVER: f32 = 0.3;
+const OVER: f32 = 0.45;
 
 /// How far from the bill it shades the skin, mm.
 const SHADE: f32 = 4.0;
