@@ -163,7 +163,7 @@ fn ring_of_lid(species: &Species, body: &Body, angle: f32) -> [Vec3; LIDS[0]] {
             let shell = on(a, 1.08 - 0.03 * share);
             let flat = radius * (edge.sin() + share * (reach - edge.sin()));
             let ground = body.project(centre + out * flat + axis * (0.4 * radius), 4);
-            let lift = 0.55 - 0.9 * share * share;
+            let lift = 0.4 - 0.9 * share * share;
             let ground = ground + body.normal(ground) * lift;
             shell.lerp(ground, ease(0.0, 0.8, share))
         }

@@ -20,9 +20,6 @@ const REACH: f32 = 60.0;
 /// Height of the sheet over the skin, mm.
 const OVER: f32 = 0.45;
 
-/// By how much its lip at the edge of the coat is higher, mm.
-const LIP: f32 = 0.7;
-
 /// How far from the bill it shades the skin, mm.
 const SHADE: f32 = 4.0;
 
@@ -129,10 +126,9 @@ pub fn face(
             .iter()
             .zip(&rim)
             .map(|(p, d)| {
-                // A lip covers the roots of the first feathers, and dips under the skin behind them.
-                let lip = LIP * ease(-1.0, 1.5, *d);
+                // Its border dips under the skin among the roots of the feathers.
                 let dip = ease(naked.fringe - 1.2, naked.fringe, *d);
-                *p + body.normal(*p) * ((OVER + lip) * (1.0 - dip) - 0.5 * dip)
+                *p + body.normal(*p) * (OVER * (1.0 - dip) - 0.5 * dip)
             })
             .collect(),
         triangles: grid(columns, rows)
@@ -269,7 +265,7 @@ mod tests {
         for v in &sheet.vertices {
             let rim = tract::bare_distance(&body, v.position.with_x(v.position.x.abs()));
             let over = body.distance(v.position);
-            assert!(over < 2.0 && over > -1.0, "{over} at {}", v.position);
+            assert!(over < 1.0 && over > -1.0, "{over} at {}", v.position);
             if rim < 0.0 {
                 assert!(over > 0.1, "{over} at {}", v.position);
             }

@@ -39,7 +39,7 @@ pub enum Tract {
     Side = 25,
     /// Skin round the lore and chin that carries bristles.
     Lore = 26,
-    /// Naked rim of the eye.
+    /// Naked skin on which nothing grows: round the eye, and along the rim of a naked face.
     EyeRing = 27,
     /// Upper side of the elbow, where no row of coverts stands.
     Elbow = 28,
@@ -50,6 +50,9 @@ pub enum Tract {
     /// Over the folded humerus.
     Shoulder = 31,
 }
+
+/// Width of the rim of a naked face on which nothing grows, mm: feathers there would come through the coat.
+const RIM: f32 = 5.0;
 
 /// Where the breast begins before the front edge of the folded wing, mm on the macaw: feathers rooted nearer lie below the wing.
 const LAP: f32 = 11.0;
@@ -64,7 +67,8 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     let parts = body.parts(q);
     let arcs = s.arcs;
     let naked = bare(body, q);
-    if eye_rim(body, q, naked) {
+    let rim = matches!(s.bare, BareFace::Patch(_)) && bare_distance(body, q) > -RIM;
+    if eye_rim(body, q, naked) || naked && rim {
         return Tract::EyeRing;
     }
     if naked {
