@@ -48,6 +48,7 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "maths/query_near.wgsl");
         load_shader_library!(app, "maths/query.wgsl");
         load_shader_library!(app, "maths/query_split.wgsl");
+        load_shader_library!(app, "maths/query_map.wgsl");
         load_shader_library!(app, "maths/query_feather.wgsl");
         #[cfg(not(feature = "comparison"))]
         load_shader_library!(app, "maths/coverage_method.wgsl");
@@ -78,6 +79,7 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "card/feather_cover.wgsl");
         load_shader_library!(app, "card/feather_shadow.wgsl");
         load_shader_library!(app, "card/feather_fibre.wgsl");
+        load_shader_library!(app, "card/feather_vertex_cover.wgsl");
         load_shader_library!(app, "card/feather_vertex_light.wgsl");
         load_shader_library!(app, "card/feather_opacity.wgsl");
         load_shader_library!(app, "card/feather_place.wgsl");

@@ -5,8 +5,9 @@
 
 use super::{
     choose::{ErrorBudget, Lod},
-    coverage::{Coverage, vane_coverage},
+    coverage::{Coverage, shares, vane_coverage},
     masking::{mask_rachis, mask_vane},
+    mean::mean_coverage,
     split::{
         averages, line_parts, line_share, outline_line, outline_share, rachis_line, rachis_share,
         split_line,
@@ -151,6 +152,42 @@ pub fn cover_vane<T: Real>(
     }
     let [barb, distal, proximal] = covered.map(|w| w.max(zero) * begun);
     [barb, distal, proximal, hook]
+}
+
+/// What a vane stops on average of what comes along `view` (towards the eye, over the left vane or mirrored there), 0..1.
+pub fn mean_opacity<T: Real>(vane: &Vane<T>, view: [T; 3]) -> T {
+    let cell = mask_vane(vane, view);
+    let parts = shares(&cell, mean_coverage(&cell));
+    parts
+        .iter()
+        .fold(T::zero(), |sum, share| sum + share.max(T::zero()))
+}
+
+/// The same as [`cover_vane`] where averages serve: the vane has `share` of the footprint, whose mean lies over the left vane (or is
+/// mirrored there); `reach`: of the barb through it.
+pub fn mean_vane<T: Real>(
+    card: &CardVane<T>,
+    mean: [T; 2],
+    reach: T,
+    share: T,
+    view: [T; 3],
+    budget: &ErrorBudget<T>,
+) -> [T; 4] {
+    let (zero, one) = (T::zero(), T::one());
+    if share < T::of(LEAST_SHARE) {
+        return [zero, zero, zero, one];
+    }
+    let mut vane = card.vane;
+    let [x, y] = mean;
+    vane.hooked = barbule_factor(hooked(x.abs(), y, reach, card.fringe, card.downy));
+    let cell = mask_vane(&vane, view);
+    let nowhere = Footprint {
+        mean,
+        covariance: [zero; 3],
+    };
+    let [barb, distal, proximal] = vane_coverage(&cell, &vane, &nowhere, Lod::Mean, budget);
+    let part = |w: T| share * w.max(zero);
+    [part(barb), part(distal), part(proximal), vane.hooked]
 }
 
 /// Share of a footprint at height `v` that the rachis hides, which ends where the card does.
