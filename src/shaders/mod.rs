@@ -79,7 +79,6 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "card/feather_cover.wgsl");
         load_shader_library!(app, "card/feather_shadow.wgsl");
         load_shader_library!(app, "card/feather_fibre.wgsl");
-        load_shader_library!(app, "card/feather_vertex_cover.wgsl");
         load_shader_library!(app, "card/feather_vertex_light.wgsl");
         load_shader_library!(app, "card/feather_opacity.wgsl");
         load_shader_library!(app, "card/feather_place.wgsl");

@@ -1,10 +1,9 @@
 //! The map that distant cards are cut out by: against dense sampling of the outline, and its shader twin.
 
 use bevy_plumage::anatomy::{CONTOUR_ROWS, Feather, RACHIS_ROWS, ShapeTable, Side};
-use bevy_plumage::maths::card::{LOOSE_BARBULES, barbule_factor};
 use bevy_plumage::maths::query::{
     CardVane, Component, ErrorBudget, MAP_SIZE, Vane, map_place, map_share, map_sight, map_vanes,
-    mean_opacity, mean_vane,
+    mean_vane,
 };
 use plumage_tests::{
     geometry::dense_shares,
@@ -157,7 +156,7 @@ fn the_map_is_the_outline() {
         // Twice what a contour's tangents cost where they serve; on the smallest cards those are off by 0.05 to 0.16.
         for (pixels, most) in [
             ([6.0, 40.0], [0.03, 0.1]),
-            ([40.0, 150.0], [0.013, 0.055]),
+            ([40.0, 150.0], [0.014, 0.062]),
             ([150.0, 310.0], [0.011, 0.065]),
         ] {
             let [rms, p99, _] = errors(name, pixels, 600);
@@ -306,33 +305,4 @@ fn the_shader_averages_a_vane_as_the_processor_does() {
             assert!((a - b).abs() <= 2e-4, "{i}: {a} {b}");
         }
     }
-}
-
-/// LIT cards mix what a vane stops where all barbules hook and where none do.
-#[test]
-fn opacity_is_even_in_how_far_barbules_hook() {
-    let mut random = Pcg64Mcg::seed_from_u64(74);
-    let mut errors = Vec::new();
-    for name in [
-        "contour",
-        "macaw_head",
-        "macaw_primary",
-        "eagle_trouser",
-        "owl_soft",
-    ] {
-        let feather = shipped::feather(name);
-        for _ in 0..400 {
-            let vane = feather.query_vane::<f64>(Side::Left);
-            let (sin, cos) = between(&mut random, 0.0, 80f64).to_radians().sin_cos();
-            let (y, x) = between(&mut random, 0.0, 6.3).sin_cos();
-            let view = [sin * x, sin * y, cos];
-            let of = |hooked| mean_opacity(&Vane { hooked, ..vane }, view);
-            let share = between(&mut random, 0.0, 1.0);
-            let (closed, loose) = (of(1.0), of(LOOSE_BARBULES));
-            errors.push((of(barbule_factor(share)) - loose - (closed - loose) * share).abs());
-        }
-    }
-    let [rms, p99, max] = statistics(&errors);
-    eprintln!("hooks: RMS {rms:.4}, P99 {p99:.4}, max {max:.4}");
-    assert!(rms <= 0.02 && max <= 0.06, "{rms} {max}");
 }

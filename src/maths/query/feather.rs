@@ -5,9 +5,8 @@
 
 use super::{
     choose::{ErrorBudget, Lod},
-    coverage::{Coverage, shares, vane_coverage},
+    coverage::{Coverage, vane_coverage},
     masking::{mask_rachis, mask_vane},
-    mean::mean_coverage,
     split::{
         averages, line_parts, line_share, outline_line, outline_share, rachis_line, rachis_share,
         split_line,
@@ -152,15 +151,6 @@ pub fn cover_vane<T: Real>(
     }
     let [barb, distal, proximal] = covered.map(|w| w.max(zero) * begun);
     [barb, distal, proximal, hook]
-}
-
-/// What a vane stops on average of what comes along `view` (towards the eye, over the left vane or mirrored there), 0..1.
-pub fn mean_opacity<T: Real>(vane: &Vane<T>, view: [T; 3]) -> T {
-    let cell = mask_vane(vane, view);
-    let parts = shares(&cell, mean_coverage(&cell));
-    parts
-        .iter()
-        .fold(T::zero(), |sum, share| sum + share.max(T::zero()))
 }
 
 /// The same as [`cover_vane`] where averages serve: the vane has `share` of the footprint, whose mean lies over the left vane (or is

@@ -12,7 +12,7 @@ pub const LAST_MAP_LEVEL: u32 = 5;
 /// Texels of them beyond each edge of the card.
 pub const MAP_MARGIN: u32 = 4;
 /// Most looks for one footprint.
-pub const MAX_MAP_LOOKS: u32 = 8;
+pub const MAX_MAP_LOOKS: u32 = 16;
 /// Least standard deviation of a footprint along its shorter axis, in texels, for which the map serves; finer ones see its squares.
 pub const FINEST_MAP_SIGMA: f64 = 0.4;
 
@@ -41,8 +41,8 @@ pub fn map_place<T: Real>(uv: [T; 2]) -> [T; 2] {
 /// of half a pixel, as [`canonical_footprint`](crate::maths::card::canonical_footprint).
 ///
 /// A look on level `l` sees a square of `2^l` texels spread over its neighbours: variance `4^l / 4`. Looks of binomial weights a step
-/// `h` apart add `h^2 (count - 1) / 4` along it. They are close enough where `h` is 2.5 of a look's own deviations (the ripples of their
-/// sum are below 0.005 of an edge); footprints longer than `sqrt(1 + 7 / 0.64)` of their width are taken for wider ones.
+/// `h` apart add `h^2 (count - 1) / 4` along it. They are close enough where `h` is 3 of a look's own deviations (the ripples of their
+/// sum are below 0.015 of an edge); footprints longer than 5.9 times their width are taken for wider ones.
 pub fn map_sight<T: Real>(duv_dx: [T; 2], duv_dy: [T; 2]) -> MapSight<T> {
     let texels = [0, 1].map(|i| T::of(f64::from(MAP_SIZE[i] - 2 * MAP_MARGIN)));
     let (half, quarter, one) = (T::of(0.5), real::<T>(0.25), T::one());
@@ -95,8 +95,8 @@ fn map_level<T: Real>(variance: T) -> T {
     (low + clamp(share, T::zero(), T::one())).min(T::of(LAST_MAP_LEVEL.into()))
 }
 
-/// Looks that a variance along a footprint of one look's variance needs, less one: `4 / 2.5^2`.
-const LOOKS_PER_VARIANCE: f64 = 0.64;
+/// Looks that a variance along a footprint of one look's variance needs, less one.
+const LOOKS_PER_VARIANCE: f64 = 4.0 / 9.0;
 
 /// Factor on a look: beyond the map nothing is inside, where a sampler holds on to its outermost texels.
 pub fn map_border<T: Real>(place: [T; 2], level: T) -> T {

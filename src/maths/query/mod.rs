@@ -46,9 +46,7 @@ pub mod vane;
 
 pub use choose::{Choice, ErrorBudget, Evaluator, Lod, Quality, choose, classify_bounds};
 pub use coverage::{Coverage, cell_coverage, vane_coverage};
-pub use feather::{
-    CardFeather, CardVane, Outline, cover, cover_vane, feather_coverage, mean_opacity, mean_vane,
-};
+pub use feather::{CardFeather, CardVane, Outline, cover, cover_vane, feather_coverage, mean_vane};
 pub use lattice::{MAX_COLUMNS, MAX_ROWS, lattice_coverage};
 pub use map::{
     LAST_MAP_LEVEL, MAP_MARGIN, MAP_SIZE, MAX_MAP_LOOKS, MapSight, map_border, map_place,

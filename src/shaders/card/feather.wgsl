@@ -125,7 +125,7 @@ fn near_of(part: u32, near: NearFootprint, angles: vec4<f32>, right: bool, tange
 }
 
 fn albedo_of(in: FeatherVertex, feather: u32, front: bool) -> vec3<f32> {
-    let texel = textureSample(albedo_texture, albedo_sampler, in.uv.xy, 2u * feather + select(1u, 0u, front));
+    let texel = textureSample(albedo_texture, albedo_sampler, in.uv, 2u * feather + select(1u, 0u, front));
     return mix(texel.rgb, data::card_tint(in.card.y), texel.a);
 }
 
@@ -259,7 +259,7 @@ fn shade(
     let mirror = shimmer_mirror(base, vane_barb, vane_angles);
     let mirror_normal = mirror.x * frame.across + mirror.y * frame.along + mirror.z * frame.normal;
     let around = light::environment(seen, eye_side, reflect(-frame.eye, mirror_normal), mirror.w);
-    let row = shimmer_row(base, in.uv.xy);
+    let row = shimmer_row(base, in.uv);
 #else
     let around = light::environment(seen, eye_side, reflected, 0.6);
 #endif

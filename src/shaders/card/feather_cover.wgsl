@@ -2,7 +2,7 @@
 #define_import_path bevy_plumage::feather_cover
 #import bevy_pbr::mesh_view_bindings::view
 #import bevy_plumage::{
-    anatomy::{barb_cotangent, barb_root, canonical_footprint, hooked, vane_start_coverage},
+    anatomy::{barb_cotangent, barb_root, canonical_footprint, vane_start_coverage},
     feather_bindings::{
         albedo_sampler, contour_at, contour_between, feather_at, outline_texture, rachis_at, settings, shape_at,
     },
@@ -72,13 +72,12 @@ fn outline_share(base: u32, right: bool, footprint: Footprint, cotangent: f32, s
     return nodes.y / max(nodes.x, 1e-9);
 }
 
-#ifdef ONLY_MEAN
 // Share of the fragment inside the outline of both vanes.
 fn inside_share(in: FeatherVertex, base: u32, shape: vec4<f32>, sight: MapSight, footprint: Footprint) -> f32 {
     if (sight.serves) {
         let layer = data::card_feather(in.card.x);
         let more = f32(sight.count) - 1.0;
-        var place = map_place(in.uv.xy) - sight.step * (0.5 * more);
+        var place = map_place(in.uv) - sight.step * (0.5 * more);
         let texels = MAP_SIZE * exp2(-sight.level);
         var weight = 1.0;
         var sum = vec2(0.0);
@@ -100,28 +99,17 @@ fn inside_share(in: FeatherVertex, base: u32, shape: vec4<f32>, sight: MapSight,
     return outline_share(base, right, side, cotangent, shape.z) * vane_start_coverage(side, shape.z, cotangent);
 }
 
-#ifdef ONLY_LIT
-// How far the barbules of one vane hook at a place, 0..1.
-fn hooked_share(base: u32, right: bool, start: f32, mean: vec2<f32>) -> f32 {
-    let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
-    let rest = feather_at(slot + 2u);
-    if (rest.y <= 0.0 && rest.z <= 0.0) {
-        return 1.0;
-    }
-    let angles = feather_at(slot);
-    let reach = contour_at(base, start, barb_root(mean, barb_cotangent(angles.x, angles.y)));
-    return hooked(abs(mean.x), mean.y, select(reach.x, reach.y, right), rest.y, rest.z);
-}
-#endif
-
 // Means are the same everywhere: both vanes differ in what of the fragment they have.
-fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u32) -> Covered {
-    let rachis = rachis_at(base, in.uv.y);
-    let dx = dpdx(in.uv.xy);
-    let dy = dpdy(in.uv.xy);
-    let footprint = canonical_footprint(in.uv.xy, dx, dy, rachis.x, rachis.y, shape.x);
-    let edges = mask_rachis(rachis.z, frame.local_eye);
-    let inside = inside_share(in, base, shape, map_sight(dx, dy), footprint);
+fn cover_means(
+    in: FeatherVertex,
+    base: u32,
+    shape: vec4<f32>,
+    frame: Frame,
+    sight: MapSight,
+    footprint: Footprint,
+    edges: vec2<f32>,
+) -> Covered {
+    let inside = inside_share(in, base, shape, sight, footprint);
     let beside = vec2(
         line_share(rachis_line(min(edges.x, edges.y)), footprint),
         line_share(Line(-max(edges.x, edges.y), vec2(1.0, 0.0)), footprint),
@@ -133,12 +121,6 @@ fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u3
         return Covered(vec4(0.0), main, 1.0, 1.0, footprint);
     }
     let hides = hidden * (1.0 - smooth_step(0.99, 1.0, in.uv.y));
-#ifdef ONLY_LIT
-    // What a vane stops where all hooks is known from the vertices.
-    let hooks = hooked_share(base, main, shape.z, footprint.mean);
-    let stopped = dot(shares, in.uv.zw) * mix(in.world_normal.w, 1.0, hooks);
-    return Covered(cover_feather(hides, vec3(stopped, 0.0, 0.0), vec3(0.0)), main, 1.0, 1.0, footprint);
-#else
     // In a loop, or the shader holds the vane twice; that of which more is asked comes last.
     var other = vec3(0.0);
     var vane = VaneCover();
@@ -161,9 +143,9 @@ fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u3
         vane = mean_vane(card, mean, select(reach.x, reach.y, right), share, frame.local_eye * vec3(mirror, 1.0, 1.0));
     }
     return Covered(cover_feather(hides, other, vane.weights), main, vane.hook, vane.open, footprint);
-#endif
 }
-#else
+
+#ifndef ONLY_MEAN
 // One vane (`right` or left) beside the rachis, whose edge is at x = edge; the footprint is over the left vane or mirrored there.
 // `main`: it has most of the footprint, and what the eye sees of it is asked for even where that is nothing.
 fn cover_side(
@@ -202,10 +184,35 @@ fn cover_side(
     return cover_vane(card, shape.z, outline, footprint, edge, view, level, parts_level, settings.threshold);
 }
 
+// Whether a pipeline of several classes meets a card of means; methods for comparison know none.
+fn is_mean(level: u32) -> bool {
+#ifdef ONLY_FAR
+    return false;
+#else ifdef ONLY_RESOLVED
+    return false;
+#else ifdef PUBLISHED_COVERAGE
+    return false;
+#else ifdef SUPERSAMPLED_COVERAGE
+    return false;
+#else
+    return level == data::CARD_MEAN;
+#endif
+}
+#endif
+
 fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u32) -> Covered {
     let rachis = rachis_at(base, in.uv.y);
-    let footprint = widened(canonical_footprint(in.uv.xy, dpdx(in.uv.xy), dpdy(in.uv.xy), rachis.x, rachis.y, shape.x)).footprint;
+    let dx = dpdx(in.uv);
+    let dy = dpdy(in.uv);
+    let seen = canonical_footprint(in.uv, dx, dy, rachis.x, rachis.y, shape.x);
     let edges = mask_rachis(rachis.z, frame.local_eye);
+#ifdef ONLY_MEAN
+    return cover_means(in, base, shape, frame, map_sight(dx, dy), seen, edges);
+#else
+    if (is_mean(level)) {
+        return cover_means(in, base, shape, frame, map_sight(dx, dy), seen, edges);
+    }
+    let footprint = widened(seen).footprint;
     let main = footprint.mean.x > 0.5 * (edges.x + edges.y);
     // In a loop, or the shader holds the vane twice; that of which more is asked comes last.
     var other = vec3(0.0);
@@ -219,5 +226,5 @@ fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u3
     }
     let weights = cover_feather(cover_rachis(footprint, edges, in.uv.y), other, vane.weights);
     return Covered(weights, main, vane.hook, vane.open, footprint);
-}
 #endif
+}

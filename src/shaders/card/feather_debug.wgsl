@@ -26,7 +26,7 @@ fn hash_color(value: u32) -> vec3<f32> {
 
 // Number of the barb under the fragment, counted from the base; the two vanes apart.
 fn barb_number(in: FeatherVertex, base: u32, shape: vec4<f32>) -> u32 {
-    let at = canonical(in.uv.xy, rachis_at(base, in.uv.y).x, shape.x);
+    let at = canonical(in.uv, rachis_at(base, in.uv.y).x, shape.x);
     let right = at.x > 0.0;
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
     let angles = feather_at(slot);

@@ -25,15 +25,8 @@ struct FeatherVertex {
     // Depth prepass and color pass must agree to the last bit.
     @invariant @builtin(position) position: vec4<f32>,
     @location(0) world_position: vec4<f32>,
-#ifdef ONLY_LIT
-    // w: opacity of a vane where nothing hooks, as a share of what it has where all does.
-    @location(1) world_normal: vec4<f32>,
-    // z, w: opacity of the left and of the right vane where all hooks.
-    @location(2) uv: vec4<f32>,
-#else
     @location(1) world_normal: vec3<f32>,
     @location(2) uv: vec2<f32>,
-#endif
     // Direction of the rachis; w: sign of the bitangent.
     @location(3) world_tangent: vec4<f32>,
     // Feather bits, tint, seed, class and number of the card (data::card_bits).

@@ -159,11 +159,7 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
     let card = data::card_decode(cards[at], cards[at + 1u], cards[at + 2u], cards[at + 3u], cards[at + 4u]);
     let level = lod[min(index, arrayLength(&lod) - 1u)];
     out.card = vec4(card.feather, card.tint, card.seed, data::card_bits(level, index));
-#ifdef ONLY_LIT
-    out.uv = vec4(vertex.uv, 1.0, 1.0);
-#else
     out.uv = vertex.uv;
-#endif
     out.instance_index = vertex.instance_index;
     if (!is_drawn(level)) {
         // All corners on one point outside the view: no pixels.
@@ -178,14 +174,9 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
     let normal = turned_by(vertex.normal, tangent_turn);
     let tangent = vec4(turned_by(vertex.tangent.xyz, tangent_turn), vertex.tangent.w);
 #ifdef SKINNED
-    let world_normal = skinning::skin_normals(world_from_local, normal);
+    out.world_normal = skinning::skin_normals(world_from_local, normal);
 #else
-    let world_normal = mesh_functions::mesh_normal_local_to_world(normal, vertex.instance_index);
-#endif
-#ifdef ONLY_LIT
-    out.world_normal = vec4(world_normal, 1.0);
-#else
-    out.world_normal = world_normal;
+    out.world_normal = mesh_functions::mesh_normal_local_to_world(normal, vertex.instance_index);
 #endif
     out.world_tangent = mesh_functions::mesh_tangent_local_to_world(world_from_local, tangent, vertex.instance_index);
 #ifdef ORDER_WINDOW
@@ -198,7 +189,7 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
     let needed = UNSETTLED_WINDOW;
 #endif
     let window = min(settings.order_window, stirred_window(needed, length(turn.whole + turn.tip)));
-    let reach = order_reach(min(window * width, farthest), dot(normalize(world_normal), eye), vertex.uv.y);
+    let reach = order_reach(min(window * width, farthest), dot(normalize(out.world_normal), eye), vertex.uv.y);
     out.position = nearer(out.world_position.xyz, out.position, eye, reach);
 #endif
 #ifdef VISIBILITY_RANGE_DITHER

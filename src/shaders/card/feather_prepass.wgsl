@@ -21,21 +21,12 @@
 #ifdef SAMPLE_COVERAGE
 #import bevy_plumage::feather_opacity::sample_bits
 #endif
-#ifdef ONLY_LIT
-#import bevy_plumage::feather_vertex_cover::cover_vertex
-#endif
 
 @group(0) @binding(1) var<uniform> globals: Globals;
 
 @vertex
 fn vertex(vertex: CardVertex) -> FeatherVertex {
-    let placed = place(vertex, globals.time, globals.delta_time);
-#ifdef ONLY_LIT
-    if (!is_light()) {
-        return cover_vertex(placed);
-    }
-#endif
-    return placed;
+    return place(vertex, globals.time, globals.delta_time);
 }
 
 #ifdef FEATHER_PREPASS_OUTPUT
@@ -58,7 +49,7 @@ struct Output {
 // Share of the light that a feather stops at `uv`.
 fn shadow_opacity(in: FeatherVertex, base: u32, shape: vec4<f32>) -> f32 {
     let rachis = rachis_at(base, in.uv.y);
-    let footprint = canonical_footprint(in.uv.xy, dpdx(in.uv.xy), dpdy(in.uv.xy), rachis.x, rachis.y, shape.x);
+    let footprint = canonical_footprint(in.uv, dpdx(in.uv), dpdy(in.uv), rachis.x, rachis.y, shape.x);
     if (abs(footprint.mean.x) < rachis.z) {
         return 1.0;
     }
@@ -114,7 +105,7 @@ fn fragment(in: FeatherVertex) -> Output {
     if (found.hole) { discard; }
     var out: Output;
 #ifdef NORMAL_PREPASS
-    let normal = normalize(in.world_normal.xyz);
+    let normal = normalize(in.world_normal);
     let facing = dot(normal, frame_of(in).eye) >= 0.0;
     out.normal = vec4(select(-normal, normal, facing) * 0.5 + 0.5, 1.0);
 #endif

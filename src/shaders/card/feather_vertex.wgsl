@@ -3,7 +3,6 @@
 #import bevy_plumage::feather_io::{CardVertex, FeatherVertex}
 #import bevy_plumage::feather_place::place
 #ifdef LIT_VERTICES
-#import bevy_plumage::feather_vertex_cover::cover_vertex
 #import bevy_plumage::feather_vertex_light::light_vertex
 #endif
 
@@ -11,7 +10,7 @@
 fn vertex(vertex: CardVertex) -> FeatherVertex {
     let placed = place(vertex, globals.time, globals.delta_time);
 #ifdef LIT_VERTICES
-    return light_vertex(cover_vertex(placed));
+    return light_vertex(placed);
 #else
     return placed;
 #endif

@@ -8,7 +8,6 @@
     feather_data as data,
     feather_fibre::{DISTAL, fibre_tangent, in_fibre, short_part},
     feather_io::FeatherVertex,
-    feather_vertex_cover::{EDGE, vanes_at},
     feather_shadow::{Reaches, caught_light, kept_light, kept_place, light_ray, reach_of, reaches_of, shadowing_of},
     footprint::Footprint,
     masking::{barb_strip, seen_cell, storeys},
@@ -24,6 +23,10 @@ const VERTEX_LIGHTS: u32 = 2u;
 const LEAST_PAINT: f32 = 0.02;
 // Levels of the albedo below the smallest one: a vertex takes the color around it.
 const AROUND: u32 = 3u;
+// Share of the card's width by which the shaft may lie beside its middle, so that a vane ends where the vertices of the middle are.
+const STRAIGHT: f32 = 0.06;
+// Share of the width, from the middle, within which both vanes meet.
+const EDGE: f32 = 0.25;
 
 // Radiance to the eye per irradiance. Of each light: for every channel per painted color, then what has no color. Of the sky in front and
 // behind, per painted color; per radiance of the mirrored sky. Of the shaft beside the vane: of the lights and the sky per painted color,
@@ -221,16 +224,19 @@ fn light_vertex(placed: FeatherVertex) -> FeatherVertex {
     let first = data::octahedral_of(motion[min(data::MOTION_LIGHTS, arrayLength(&motion) - 1u)].xyz);
     let levels = textureNumLevels(albedo_texture);
     let layer = 2u * feather + select(1u, 0u, frame.local_eye.z >= 0.0);
-    let texel = textureSampleLevel(albedo_texture, albedo_sampler, placed.uv.xy, layer, f32(max(levels, AROUND) - AROUND));
+    let texel = textureSampleLevel(albedo_texture, albedo_sampler, placed.uv, layer, f32(max(levels, AROUND) - AROUND));
     let albedo = mix(texel.rgb, data::card_tint(placed.card.y), texel.a);
     // Half way to the edge the vane is what it is in most places.
     let aside = abs(placed.uv.x - 0.5);
-    let met = vanes_at(base, placed.uv.xy);
+    // Both vanes end at the shaft, one at an edge: there the other one, of which next to nothing shows unless the shaft is bent, counts as
+    // the same.
+    let both = aside < EDGE || abs(rachis_at(base, placed.uv.y).x - 0.5) > STRAIGHT;
+    let edge_is_right = placed.uv.x > 0.5;
     var found = VaneResponse();
     for (var i = 0u; i < 2u; i++) {
         let right = i == 1u;
-        if (met.both || i == 0u) {
-            found = vane_response(base, select(met.right, right, met.both), placed.uv.y, aside, frame, albedo, lights, present);
+        if (both || i == 0u) {
+            found = vane_response(base, select(edge_is_right, right, both), placed.uv.y, aside, frame, albedo, lights, present);
         }
         if (right) {
             out.right_first = found.first;

@@ -119,17 +119,6 @@ fn cover_vane(
     return found;
 }
 
-// What a vane stops on average of what comes along `view` (towards the eye, over the left vane or mirrored there), `hook`: the share of
-// their width that the barbules show.
-fn mean_opacity(closed: VaneShape, hook: f32, view: vec3<f32>) -> f32 {
-    var shape = closed;
-    shape.vane.hooked = hook;
-    let seen = storeys(shape, view);
-    let cell = seen_cell(shape, seen, barb_strip(shape, seen), view.z >= 0.0);
-    let nowhere = Footprint(vec2(0.0), vec3(0.0));
-    return dot(max(vane_coverage(cell, shape.vane, nowhere, LOD_MEAN, 0.0), vec3(0.0)), vec3(1.0));
-}
-
 // The same where averages serve: of the footprint the vane has `share`. `mean`: over the left vane, or mirrored there; `reach`: of the
 // barb through it.
 fn mean_vane(card: CardVane, mean: vec2<f32>, reach: f32, share: f32, view: vec3<f32>) -> VaneCover {

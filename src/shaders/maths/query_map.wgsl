@@ -9,11 +9,11 @@ const LAST_MAP_LEVEL: f32 = 5.0;
 // Texels of them beyond each edge of the card.
 const MAP_MARGIN: f32 = 4.0;
 // Most looks for one footprint.
-const MAX_MAP_LOOKS: u32 = 8u;
+const MAX_MAP_LOOKS: u32 = 16u;
 // Least standard deviation of a footprint along its shorter axis, in texels, for which the map serves.
 const FINEST_MAP_SIGMA: f32 = 0.4;
 // Looks that a variance along a footprint of one look's variance needs, less one.
-const LOOKS_PER_VARIANCE: f32 = 0.64;
+const LOOKS_PER_VARIANCE: f32 = 0.44444445;
 
 // How a footprint looks at the map: `count` times, `step` apart, on a level; whether the map serves.
 struct MapSight {
