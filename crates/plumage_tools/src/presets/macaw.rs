@@ -228,7 +228,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: lesser_micro,
             fringe: 0.03,
             gaps: gaps(2, 0.008, 0.3, 18),
-            albedo: red(body(0.36, BASE, AMBER, SCARLET)),
+            albedo: rimmed(body(0.36, BASE, AMBER, SCARLET), 0.12, CRIMSON.1, 0.2),
             ..contour.clone()
         },
         Template {
