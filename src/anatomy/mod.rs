@@ -9,7 +9,6 @@ mod clumps;
 mod contour;
 mod down;
 mod feather;
-mod outline;
 mod pattern;
 mod plugin;
 mod rachis;

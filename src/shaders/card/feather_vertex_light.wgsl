@@ -23,10 +23,6 @@ const VERTEX_LIGHTS: u32 = 2u;
 const LEAST_PAINT: f32 = 0.02;
 // Levels of the albedo below the smallest one: a vertex takes the color around it.
 const AROUND: u32 = 3u;
-// Share of the card's width by which the shaft may lie beside its middle, so that a vane ends where the vertices of the middle are.
-const STRAIGHT: f32 = 0.06;
-// Share of the width, from the middle, within which both vanes meet.
-const EDGE: f32 = 0.25;
 
 // Radiance to the eye per irradiance. Of each light: for every channel per painted color, then what has no color. Of the sky in front and
 // behind, per painted color; per radiance of the mirrored sky. Of the shaft beside the vane: of the lights and the sky per painted color,
@@ -69,8 +65,7 @@ fn light_response(in: FeatherVertex, response: VaneResponse, direction: vec3<f32
 // What the responses per painted color are multiplied with.
 fn paint_over(albedo: vec3<f32>) -> vec3<f32> { return albedo + LEAST_PAINT; }
 
-// Of one vane at a height on the rachis, `aside` of its reach from the shaft; of the shaft where that is 0. `present`: which of the lights
-// there are; the others answer nothing.
+// Of one vane at a height on the rachis, `aside` of its reach from the shaft; of the shaft where that is 0.
 fn vane_response(
     base: u32,
     right: bool,
@@ -79,7 +74,6 @@ fn vane_response(
     frame: Frame,
     albedo: vec3<f32>,
     lights: array<vec3<f32>, VERTEX_LIGHTS>,
-    present: vec2<bool>,
 ) -> VaneResponse {
     let front = frame.local_eye.z >= 0.0;
     let header = feather_at(base + data::SHAPE);
@@ -98,7 +92,7 @@ fn vane_response(
     let nowhere = Footprint(vec2(0.0), vec3(0.0));
     let weights = max(vane_coverage(cell, shape.vane, nowhere, LOD_MEAN, 0.0), vec3(0.0));
     // The shaft counts for itself.
-    let shares = vec4(select(0.0, 1.0, right && aside < EDGE), weights / max(dot(weights, vec3(1.0)), 1e-6));
+    let shares = vec4(select(0.0, 1.0, right && aside < 0.25), weights / max(dot(weights, vec3(1.0)), 1e-6));
     let open = clamp(strip.x / max(2.0 * seen.silhouette, 1e-9), 0.0, 1.0);
     let covered = Covered(shares, right, shape.vane.hooked, open, nowhere);
     let shadowing = shadowing_of(base, height, covered, frame);
@@ -112,6 +106,8 @@ fn vane_response(
     let under = 1.0 - settings.shelter * (1.0 - smoothstep(0.05, 0.8, height));
     let up = vec3(0.0, 0.0, select(-1.0, 1.0, front));
 
+    // The three channels, and a black one.
+    let painted = vec4(albedo, 0.0);
     var lit = array<vec4<f32>, VERTEX_LIGHTS>();
     var ahead = vec4(fuzz_albedo * tint, 0.0);
     var beyond = vec4(0.0);
@@ -119,9 +115,6 @@ fn vane_response(
     var caught = array<f32, VERTEX_LIGHTS>();
     var reaches = array<Reaches, VERTEX_LIGHTS>();
     for (var i = 0u; i < VERTEX_LIGHTS; i++) {
-        if (!present[i]) {
-            continue;
-        }
         let ray = light_ray(shadowing, lights[i]);
         caught[i] = caught_light(shadowing, ray);
         reaches[i] = reaches_of(shadowing, ray);
@@ -154,19 +147,12 @@ fn vane_response(
         var lobes = array<short::ShortLobes, VERTEX_LIGHTS>();
         var arriving = array<FibreReach, VERTEX_LIGHTS>();
         for (var i = 0u; i < VERTEX_LIGHTS; i++) {
-            if (!present[i]) {
-                continue;
-            }
             lobes[i] = short::short_lobes(shading, in_fibre(tangent, frame.hand, lights[i]));
             arriving[i] = reach_of(reaches[i], part, shadowing.lower, lobes[i].turn, false);
         }
-        let inside = single_scattering_albedo(min(albedo * about.x, vec3(0.98)), meets);
         for (var c = 0u; c < 4u; c++) {
-            // A black fibre has its surface alone.
-            var color = short::ShortColor();
-            if (c < 3u) {
-                color = short::short_color(shading, inside[c], frequency);
-            }
+            let inside = min(painted[c] * about.x, 0.98);
+            let color = short::short_color(shading, single_scattering_albedo(vec3(inside), meets).x, frequency);
             let second = shading.energy.y * clearness * color.second;
             let medulla = shading.energy.z * color.scattered;
             let from_front = second * kept_second.x + medulla * before.w;
@@ -177,9 +163,6 @@ fn vane_response(
             let there = vec2(again.y * from_front + 0.5 * again.x, again.y * from_back + 0.5 * again.x);
             var own = vec2(0.0);
             for (var i = 0u; i < VERTEX_LIGHTS; i++) {
-                if (!present[i]) {
-                    continue;
-                }
                 own[i] = again.y * short::short_lit(shading, color, lobes[i], arriving[i]) + again.x * caught[i];
             }
             if (part == 0u) {
@@ -215,11 +198,9 @@ fn light_vertex(placed: FeatherVertex) -> FeatherVertex {
     let base = feather_base(feather);
     let frame = frame_of(placed);
     var lights = array<vec3<f32>, VERTEX_LIGHTS>();
-    var present = vec2(false);
     for (var i = 0u; i < VERTEX_LIGHTS; i++) {
-        let there = motion[min(data::MOTION_LIGHTS + i, arrayLength(&motion) - 1u)];
-        lights[i] = vec3(dot(there.xyz, frame.across), dot(there.xyz, frame.along), dot(there.xyz, frame.normal));
-        present[i] = there.w > 0.5;
+        let there = motion[min(data::MOTION_LIGHTS + i, arrayLength(&motion) - 1u)].xyz;
+        lights[i] = vec3(dot(there, frame.across), dot(there, frame.along), dot(there, frame.normal));
     }
     let first = data::octahedral_of(motion[min(data::MOTION_LIGHTS, arrayLength(&motion) - 1u)].xyz);
     let levels = textureNumLevels(albedo_texture);
@@ -228,16 +209,10 @@ fn light_vertex(placed: FeatherVertex) -> FeatherVertex {
     let albedo = mix(texel.rgb, data::card_tint(placed.card.y), texel.a);
     // Half way to the edge the vane is what it is in most places.
     let aside = abs(placed.uv.x - 0.5);
-    // Both vanes end at the shaft, one at an edge: there the other one, of which next to nothing shows unless the shaft is bent, counts as
-    // the same.
-    let both = aside < EDGE || abs(rachis_at(base, placed.uv.y).x - 0.5) > STRAIGHT;
-    let edge_is_right = placed.uv.x > 0.5;
-    var found = VaneResponse();
+    // Both vanes end at the shaft, one at an edge.
     for (var i = 0u; i < 2u; i++) {
         let right = i == 1u;
-        if (both || i == 0u) {
-            found = vane_response(base, select(edge_is_right, right, both), placed.uv.y, aside, frame, albedo, lights, present);
-        }
+        let found = vane_response(base, right, placed.uv.y, aside, frame, albedo, lights);
         if (right) {
             out.right_first = found.first;
             out.right_second = found.second;
