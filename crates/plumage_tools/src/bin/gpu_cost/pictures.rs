@@ -136,7 +136,16 @@ pub fn run(args: &Args, folder: &Path, state: &str) -> Result<String> {
         let known = PICTURES.iter().find(|(name, ..)| name == picture);
         let (_, example, shot) = known.ok_or(format!("no picture {picture}"))?;
         let base = [
-            "--scene", "studio", "--camera", shot, "--time", "0", "--size", &args.size,
+            "--scene",
+            "studio",
+            "--camera",
+            shot,
+            "--time",
+            "0",
+            "--size",
+            &args.size,
+            "--transparency",
+            &args.transparency,
         ];
         let with = |more: &[&str]| -> Vec<String> {
             let all = base.iter().chain(more);
