@@ -304,10 +304,10 @@ const SKIN: &[(&[Tract], u32)] = &[
 /// Scattered tracts.
 #[rustfmt::skip]
 const TRACTS: &[TractRow] = &[
-    row("crown", &[Crown], "head", 416, 0, (8., 17.), (4.5, 7.), (10., 6.), (0.05, 10.), (0.1, 1800., HEAD), (0xD23A1E, 0xD23A1E)),
+    row("crown", &[Crown], "head", 420, 0, (8., 17.), (4.5, 7.), (10., 6.), (0.05, 10.), (0.1, 1800., HEAD), (0xD23A1E, 0xD23A1E)),
     row("nape", &[Nape], "head", 180, 0, (16., 24.), (8., 10.), (8., 8.), (0.06, 15.), (0.1, 1700., HEAD), (0xD23A1E, 0xD23A1E)),
     row("cheek", &[Cheek], "head", 540, 0, (8., 20.), (5.5, 8.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0xCE381C, 0xCE381C)),
-    row("face_lines", &[Bare], "face_line", 160, 5, (3., 4.2), (0.8, 1.1), (24., 20.), (0., 0.), (0.1, 1950., HEAD), (0xD2482F, 0xD2482F)),
+    row("face_lines", &[Bare], "face_line", 158, 5, (3., 4.2), (0.8, 1.1), (24., 20.), (0., 0.), (0.1, 1950., HEAD), (0xD2482F, 0xD2482F)),
     row("neck_dorsal", &[NeckDorsal], "neck", 230, 0, (20., 28.), (13., 17.), (8., 8.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xD23A1E, 0xC8361D)),
     row("neck_ventral", &[NeckVentral], "neck", 340, 0, (16., 28.), (11., 16.), (8., 8.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xCC361D, 0xCC361D)),
     row("mantle", &[Mantle, ScapularMantle], "contour", 108, 8, (32., 46.), (20., 26.), (9., 9.), (0.06, 10.), (0.25, 1400., CONTOUR), (0xC8361D, 0xC4381D)),
@@ -319,7 +319,7 @@ const TRACTS: &[TractRow] = &[
     row("breast", &[Breast], "contour", 125, 12, (30., 42.), (20., 25.), (10., 6.), (0.05, 18.), (0.25, 1500., CONTOUR), (0xCC361D, 0xCC361D)),
     row("belly", &[Belly], "soft", 90, 0, (32., 46.), (20., 26.), (7., 5.), (0.05, 22.), (0.05, 660., CONTOUR), (0xC0301B, 0xC0301B)),
     row("flanks", &[Flank], "soft", 220, 0, (32., 46.), (18., 24.), (4., 3.), (0.05, 22.), (0.05, 640., CONTOUR), (0xC0301B, 0xC0301B)),
-    row("side", &[Side], "contour", 167, 0, (28., 34.), (16., 20.), (2., 2.), (0.06, 12.), (0., 620., CONTOUR), (0xC6341C, 0xC0301B)),
+    row("side", &[Side], "contour", 165, 0, (28., 34.), (16., 20.), (2., 2.), (0.06, 12.), (0., 620., CONTOUR), (0xC6341C, 0xC0301B)),
     row("vent", &[Vent], "blue", 46, 0, (24., 34.), (15., 20.), (5., 5.), (0.05, 10.), (0.25, 300., CONTOUR), (0x6BAFD8, 0x6BAFD8)),
     row("filler", TRUNK, "semiplume", 200, 0, (14., 22.), (14., 18.), (2., 2.), (0., 0.), (0., 0., LESSER), (0xB0584C, 0xB0584C)),
     row("lesser_upper", &[LesserUpper], "lesser", 320, 0, (17., 13.), (12., 12.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0xC8361D, 0xC8361D)),
