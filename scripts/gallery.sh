@@ -24,7 +24,7 @@ cat >"$table" <<'TEXT'
 `make gallery` measures its pictures of whole birds (in `target/gallery`) and writes this page. Line numbers are those of a
 list of what a photograph of a bird shows: 1 outline, 2 specks, 3 wing, 4 back, 5 proportions, 6 colors, 7 contrast by scale, 8 haze,
 9 clipping, 12 what is around the bird. Bounds are from photographs of a golden eagle, a scarlet and a green-winged macaw
-(`crates/plumage_tools/src/judge.rs`); of a barn owl none was measured. Colors and contrast are those of feathers, outline and width
+(`crates/plumage_tools/src/judge`); of a barn owl none was measured. Colors and contrast are those of feathers, outline and width
 those of the whole bird, scales those of the bird whatever the size of the picture; of two birds the slimmer one is measured from behind.
 
 | picture | line | what | found | wanted | |

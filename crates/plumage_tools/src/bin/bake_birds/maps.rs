@@ -4,6 +4,7 @@
 
 use std::io::Cursor;
 
+use bevy::color::Srgba;
 use image::{ImageFormat, Rgb, RgbImage};
 
 /// What a surface is like at one place.
@@ -39,15 +40,6 @@ pub struct Maps {
 
 fn byte(x: f32) -> u8 {
     (255.0 * x.clamp(0.0, 1.0)).round() as u8
-}
-
-/// sRGB component of a linear one.
-fn encode(x: f32) -> f32 {
-    if x <= 0.003_130_8 {
-        12.92 * x
-    } else {
-        1.055 * x.powf(1.0 / 2.4) - 0.055
-    }
 }
 
 impl Maps {
@@ -93,8 +85,11 @@ impl Maps {
                 let length = (1.0 + a * a + b * b).sqrt();
                 let normal = [-a, -b, 1.0].map(|n| byte(0.5 + 0.5 * n / length));
                 let surface = [texel.open, texel.roughness, 0.0];
-                out.color
-                    .put_pixel(x, y, Rgb(texel.color.map(|c| byte(encode(c)))));
+                out.color.put_pixel(
+                    x,
+                    y,
+                    Rgb(texel.color.map(|c| byte(Srgba::gamma_function_inverse(c)))),
+                );
                 out.normal.put_pixel(x, y, Rgb(normal));
                 out.surface.put_pixel(x, y, Rgb(surface.map(byte)));
             }

@@ -3,16 +3,12 @@
 use bevy::math::Vec3;
 
 use crate::body::Body;
+use crate::maps::ease;
 use crate::nets::Surface;
 use crate::skeleton::Skeleton;
 
 /// Four joints and their weights; the weights sum to one.
 pub type Binding = ([u16; 4], [f32; 4]);
-
-fn smoothstep(a: f32, b: f32, x: f32) -> f32 {
-    let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
 
 /// Joint indices that the rules need.
 struct Names {
@@ -109,8 +105,8 @@ fn raw(body: &Body, skeleton: &Skeleton, names: &Names, n: usize, p: Vec3) -> Ve
     let arc = parts.trunk.arc;
 
     // Core: tail, hips, chest and the chain to the head.
-    let tail = 1.0 - smoothstep(0.1 * s.arcs.dorsal[0], 1.1 * s.arcs.dorsal[0], arc);
-    let chest = smoothstep(s.rigid[0], s.rigid[1], arc);
+    let tail = 1.0 - ease(0.1 * s.arcs.dorsal[0], 1.1 * s.arcs.dorsal[0], arc);
+    let chest = ease(s.rigid[0], s.rigid[1], arc);
     w[names.tail] = tail;
     w[names.hips] = (1.0 - tail) * (1.0 - chest);
     let chain_arcs = names
@@ -119,7 +115,7 @@ fn raw(body: &Body, skeleton: &Skeleton, names: &Names, n: usize, p: Vec3) -> Ve
     let mut carried = chest * (1.0 - tail);
     for i in 1..6 {
         let half = 0.5 * (chain_arcs[i] - chain_arcs[i - 1]).max(4.0);
-        let further = smoothstep(chain_arcs[i] - half, chain_arcs[i] + half, arc);
+        let further = ease(chain_arcs[i] - half, chain_arcs[i] + half, arc);
         w[names.chain[i - 1]] += carried * (1.0 - further);
         carried *= further;
     }
@@ -127,9 +123,9 @@ fn raw(body: &Body, skeleton: &Skeleton, names: &Names, n: usize, p: Vec3) -> Ve
     // The head is rigid: everything above its plane, chin included.
     let joint = s.joint("head");
     let plane = s.arcs.head_plane - 0.15 * (joint.z - q.z);
-    let front = smoothstep(joint.z + 8.0 * s.scale, joint.z + 30.0 * s.scale, q.z);
+    let front = ease(joint.z + 8.0 * s.scale, joint.z + 30.0 * s.scale, q.z);
     let reach = 10.0 * s.scale.sqrt();
-    let head = smoothstep(
+    let head = ease(
         plane - reach - front * reach,
         plane + reach * (1.0 - front),
         q.y,
@@ -170,33 +166,32 @@ fn legs(
     } else {
         f32::MAX
     });
-    let share = smoothstep(-reach, reach, core - near)
-        * (1.0 - smoothstep(0.0, 40.0, q.y - s.arcs.leg_top));
+    let share = ease(-reach, reach, core - near) * (1.0 - ease(0.0, 40.0, q.y - s.arcs.leg_top));
     if share <= 0.0 {
         return;
     }
     let mut own = [0.0; 4];
     // Along the limb: hips give way to the femur, then each joint to the next.
-    let knee = smoothstep(
+    let knee = ease(
         -0.6 * s.legs[0][1],
         0.6 * s.legs[0][1],
         legs[0].0 - legs[1].0,
     );
-    let femur = smoothstep(0.1, 0.6, legs[0].1);
+    let femur = ease(0.1, 0.6, legs[0].1);
     own[0] = (1.0 - knee) * femur;
     let ankle = if s.feathered_tarsus {
-        smoothstep(
+        ease(
             -0.6 * s.legs[1][1],
             0.6 * s.legs[1][1],
             legs[1].0 - legs[2].0,
         )
     } else {
-        smoothstep(0.9, 1.1, legs[1].1)
+        ease(0.9, 1.1, legs[1].1)
     };
-    let top = 0.2 * (1.0 - smoothstep(0.0, 0.4, legs[1].1));
+    let top = 0.2 * (1.0 - ease(0.0, 0.4, legs[1].1));
     own[1] = knee * (1.0 - ankle) * (1.0 - top);
     own[2] = knee * ankle;
-    let foot = smoothstep(0.85, 1.0, legs[2].1) * own[2];
+    let foot = ease(0.85, 1.0, legs[2].1) * own[2];
     own[3] = foot;
     own[2] -= foot;
     let used: f32 = own.iter().sum();
@@ -224,9 +219,9 @@ fn wing(
     let reach = s.shoulder_reach;
     let nearer = core - distance;
     // The back stays with the chest: only skin that is clearly on the arm follows it there.
-    let dorsal = 1.0 - smoothstep(50.0, 85.0, angle);
-    let share = smoothstep(-0.35 * reach, 0.35 * reach, nearer)
-        * (1.0 - dorsal * (1.0 - smoothstep(0.0, 0.4 * reach, nearer)));
+    let dorsal = 1.0 - ease(50.0, 85.0, angle);
+    let share = ease(-0.35 * reach, 0.35 * reach, nearer)
+        * (1.0 - dorsal * (1.0 - ease(0.0, 0.4 * reach, nearer)));
     if share <= 0.0 {
         return;
     }
@@ -250,7 +245,7 @@ fn wing(
     let area = (fe - fs).perp_dot(fw - fs);
     let b = (flat - fs).perp_dot(fw - fs) / area;
     let c = (fe - fs).perp_dot(flat - fs) / area;
-    let inside = smoothstep(0.0, 0.12, (1.0 - b - c).min(b).min(c) + 0.06);
+    let inside = ease(0.0, 0.12, (1.0 - b - c).min(b).min(c) + 0.06);
     let sheet = inside * (1.0 - (own[side.wing[0]] + own[side.wing[1]]).min(1.0));
     let at_shoulder = (1.0 - b - c).clamp(0.0, 1.0);
     own[side.propat] += sheet * at_shoulder;
@@ -260,7 +255,7 @@ fn wing(
     let along = ((flat - fe).dot(fw - fe) / (fw - fe).length_squared()).clamp(-1.0, 2.0);
     let behind = (fw - fe).perp_dot(flat - fe) > 0.0 && (e - fe).perp_dot(r - fe) != 0.0;
     if behind {
-        let strip = smoothstep(-0.05, 0.15, along) * (1.0 - smoothstep(0.85, 1.05, along));
+        let strip = ease(-0.05, 0.15, along) * (1.0 - ease(0.85, 1.05, along));
         for v in &mut own {
             *v *= 1.0 - strip;
         }
@@ -274,7 +269,7 @@ fn wing(
     }
     // Over the shoulder the chest keeps its hold.
     let off = q.distance(shoulder) / reach;
-    let hold = (1.0 - smoothstep(0.2, 1.0, off)) * 0.6;
+    let hold = (1.0 - ease(0.2, 1.0, off)) * 0.6;
     for v in &mut own {
         *v *= 1.0 - hold;
     }

@@ -7,7 +7,7 @@ mod macaw;
 mod motion;
 mod owl;
 
-use bevy::math::Vec3;
+use bevy::{color::Srgba, math::Vec3};
 
 use crate::tract::Tract;
 
@@ -241,13 +241,7 @@ impl Species {
 
 /// Linear RGB of an sRGB hex color.
 pub fn linear(hex: u32) -> [f32; 3] {
-    srgb(hex).map(|c| {
-        if c <= 0.04045 {
-            c / 12.92
-        } else {
-            ((c + 0.055) / 1.055).powf(2.4)
-        }
-    })
+    srgb(hex).map(Srgba::gamma_function)
 }
 
 /// sRGB components in 0..1 of a hex color.

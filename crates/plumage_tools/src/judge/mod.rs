@@ -3,13 +3,17 @@
 //! Bounds and their sources are those of photographs of a golden eagle, a scarlet and a green-winged macaw. Of a barn owl none was
 //! measured: it is judged by what holds for any bird.
 
-/// Weights of linear sRGB in luminance.
-const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+mod blur;
+mod color;
+
+use bevy::color::Srgba;
+use blur::gaussian;
+use color::{LUMINANCE, hsv, is_mauve, is_olive};
+
 /// Most specks among 10,000 pixels: photographs have 0.8 to 3.3.
 const SPECKS: f32 = 5.0;
 /// How far a speck stands out, share of the median around it.
 const STANDS_OUT: f32 = 0.12;
-
 /// Pixels from the edge of feathers within which their color is not judged.
 const EDGE: usize = 2;
 /// Darkest that a mask shows where there is a bird, 0..1: a hundredth of a pixel.
@@ -81,41 +85,6 @@ pub struct Subject {
     things: Vec<bool>,
     /// Where the breasts are: feathers of the circles that were told.
     breast: Vec<usize>,
-}
-
-/// Hue in degrees, saturation and value.
-fn hsv([r, g, b]: [f32; 3]) -> [f32; 3] {
-    let (high, low) = (r.max(g).max(b), r.min(g).min(b));
-    let spread = high - low;
-    let hue = if spread <= 0.0 {
-        0.0
-    } else if high == r {
-        60.0 * ((g - b) / spread).rem_euclid(6.0)
-    } else if high == g {
-        60.0 * ((b - r) / spread + 2.0)
-    } else {
-        60.0 * ((r - g) / spread + 4.0)
-    };
-    [hue, if high > 0.0 { spread / high } else { 0.0 }, high]
-}
-
-/// Yellow or orange in the dark.
-fn is_olive(p: [f32; 3]) -> bool {
-    let [h, s, v] = hsv(p);
-    (25.0..75.0).contains(&h) && s > 0.3 && (0.15..0.5).contains(&v)
-}
-
-fn is_mauve(p: [f32; 3]) -> bool {
-    let [h, s, v] = hsv(p);
-    (270.0..345.0).contains(&h) && s > 0.25 && v > 0.15
-}
-
-fn linear(c: f32) -> f32 {
-    if c <= 0.040_45 {
-        c / 12.92
-    } else {
-        ((c + 0.055) / 1.055).powf(2.4)
-    }
 }
 
 fn median(mut values: Vec<f32>) -> f32 {
@@ -357,7 +326,11 @@ impl Subject {
 
     /// Contrast of the red channel in four octaves of scale from 0.45 mm around the pixels: the difference of two Gaussians over the mean.
     pub fn octaves(&self, at: &[usize]) -> [f32; 4] {
-        let red: Vec<f32> = self.pixels.iter().map(|p| linear(p[0])).collect();
+        let red: Vec<f32> = self
+            .pixels
+            .iter()
+            .map(|p| Srgba::gamma_function(p[0]))
+            .collect();
         let levels: Vec<Vec<f32>> = [1.0, 2.0, 4.0, 8.0, 16.0]
             .map(|octave| FINEST * octave / self.scale)
             .map(|sigma| gaussian(&red, &self.mask, self.width, sigma))
@@ -378,7 +351,9 @@ impl Subject {
         let mean = |bird: bool| {
             let (mut sum, mut count) = (0.0, 0.0);
             for (pixel, _) in self.pixels.iter().zip(&self.mask).filter(|p| *p.1 == bird) {
-                sum += (0..3).map(|c| LUMINANCE[c] * linear(pixel[c])).sum::<f32>();
+                sum += (0..3)
+                    .map(|c| LUMINANCE[c] * Srgba::gamma_function(pixel[c]))
+                    .sum::<f32>();
                 count += 1.0;
             }
             f32::max(sum / f32::max(count, 1.0), 1.0e-5)
@@ -453,7 +428,9 @@ impl Subject {
                 line(6, "hue of the breast", hue, (3.0, 14.0));
                 let saturation = self.of_breast(|p| hsv(p)[1]);
                 line(6, "saturation of the breast", saturation, (0.75, 0.92));
-                let ratio = self.of_breast(|p| linear(p[1]) / linear(p[2]).max(1.0e-4));
+                let ratio = self.of_breast(|p| {
+                    Srgba::gamma_function(p[1]) / Srgba::gamma_function(p[2]).max(1.0e-4)
+                });
                 line(6, "green over blue of the breast", ratio, (1.5, 100.0));
             } else {
                 line(6, "hue of the breast", hue, (12.0, 32.0));
@@ -502,41 +479,6 @@ impl Subject {
         );
         lines
     }
-}
-
-/// A Gaussian of `sigma` pixels over the masked pixels.
-fn gaussian(values: &[f32], mask: &[bool], width: usize, sigma: f32) -> Vec<f32> {
-    let reach = (3.0 * sigma).ceil() as isize;
-    let weights: Vec<f32> = (-reach..=reach)
-        .map(|d| (-0.5 * (d as f32 / sigma).powi(2)).exp())
-        .collect();
-    let height = values.len() / width;
-    let pass = |field: &[(f32, f32)], across: bool| -> Vec<(f32, f32)> {
-        (0..field.len())
-            .map(|i| {
-                let (x, y) = ((i % width) as isize, (i / width) as isize);
-                let mut sum = (0.0, 0.0);
-                for (w, d) in weights.iter().zip(-reach..=reach) {
-                    let (u, v) = if across { (x + d, y) } else { (x, y + d) };
-                    if (0..width as isize).contains(&u) && (0..height as isize).contains(&v) {
-                        let (value, weight) = field[(v * width as isize + u) as usize];
-                        sum.0 += w * value;
-                        sum.1 += w * weight;
-                    }
-                }
-                sum
-            })
-            .collect()
-    };
-    let start: Vec<(f32, f32)> = values
-        .iter()
-        .zip(mask)
-        .map(|(v, m)| if *m { (*v, 1.0) } else { (0.0, 0.0) })
-        .collect();
-    pass(&pass(&start, true), false)
-        .into_iter()
-        .map(|(sum, weight)| sum / weight.max(1.0e-6))
-        .collect()
 }
 
 #[cfg(test)]
