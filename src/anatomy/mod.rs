@@ -9,6 +9,7 @@ mod clumps;
 mod contour;
 mod down;
 mod feather;
+mod outline;
 mod pattern;
 mod plugin;
 mod rachis;

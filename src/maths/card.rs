@@ -47,6 +47,28 @@ pub fn canonical_footprint<T: Real>(
     }
 }
 
+/// Share of a pixel's footprint that lies on the card, 0.02 to 1 along each side: [`canonical_footprint`]'s Gaussian between the edges
+/// across times that between root and tip. The rasterizer leaves out what of a pixel lies beside the card, so coverage of the whole
+/// footprint would count that twice; coverage of the part on the card is [`on_card`].
+pub fn card_share<T: Real>(uv: [T; 2], duv_dx: [T; 2], duv_dy: [T; 2]) -> T {
+    let of = |i: usize| {
+        let variance = real::<T>(0.25) * (duv_dx[i] * duv_dx[i] + duv_dy[i] * duv_dy[i]);
+        let deviation = variance.max(real(1e-14)).sqrt();
+        let within = normal_share(uv[i] / deviation) + normal_share((T::one() - uv[i]) / deviation);
+        (within - T::one()).max(real(LEAST_CARD_SHARE))
+    };
+    of(0) * of(1)
+}
+
+/// Least share of a footprint between two edges of its card: a pixel whose center is beside the card by the half of its diagonal has 0.08.
+const LEAST_CARD_SHARE: f64 = 0.02;
+
+/// Coverages of the part of a footprint on the card, from those of the whole one and its [`card_share`]. Their sum is 1 at most.
+pub fn on_card<T: Real>(weights: [T; 4], share: T) -> [T; 4] {
+    let sum = weights[0] + weights[1] + weights[2] + weights[3];
+    weights.map(|weight| weight / share.max(sum))
+}
+
 /// Cotangent of the angle between barb and rachis from its sine and cosine, finite.
 pub fn barb_cotangent<T: Real>(sin_b: T, cos_b: T) -> T {
     cos_b / sin_b.max(real(1e-3))

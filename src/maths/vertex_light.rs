@@ -11,7 +11,7 @@ pub fn vertex_light_error<T: Real>(turn: T, facing: T) -> T {
     let along = T::one()
         - smooth_step(
             T::zero(),
-            real(0.26),
+            real(0.5),
             clamp(facing - half, T::zero(), T::one()),
         );
     turn * (real::<T>(5.0e-5) + real::<T>(4.5e-4) * along)

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     anatomy::{CONTOUR_ROWS, RACHIS_ROWS},
     maths::{
-        query::Lod,
+        query::{Lod, MAX_MAP_LOOKS},
         scattering::{
             KEPT_AZIMUTHS, KEPT_LEVELS, SHEEN_TABLE_SIZE, SHORT_HEAD_VEC4S, SHORT_ROW_VEC4S,
             SHORT_STEP_VEC4S, SHORT_TABLE_VEC4S, interference::SEEN_STEPS,
@@ -91,6 +91,10 @@ pub fn constant_layouts() -> Vec<ConstantLayout> {
     all.extend(in_file(
         "card/feather_vertex_light.wgsl",
         &[("VERTEX_LIGHTS", VERTEX_LIGHTS)],
+    ));
+    all.extend(in_file(
+        "maths/query_map.wgsl",
+        &[("MAX_MAP_LOOKS", MAX_MAP_LOOKS as usize)],
     ));
     all.extend(in_file(
         "maths/interference.wgsl",

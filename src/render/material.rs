@@ -212,6 +212,9 @@ pub struct FeatherMaterial {
     #[texture(4, dimension = "2d_array", visibility(vertex, fragment))]
     #[sampler(5, visibility(vertex, fragment))]
     pub albedo: Handle<Image>,
+    /// Shares of the cards inside the outlines, one layer per feather ([`Feather::outline_map`](crate::anatomy::Feather::outline_map)).
+    #[texture(7, dimension = "2d_array")]
+    pub outlines: Handle<Image>,
     /// Wind and ruffle, see [`super::Wind`].
     #[storage(6, read_only, visibility(vertex))]
     pub motion: Handle<ShaderBuffer>,

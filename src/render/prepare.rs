@@ -4,7 +4,7 @@ use super::{
     key::{FeatherTransparency, ThinLayers},
     lod::{CardPatches, GRID_BYTES, MEASURED, list_bytes, pack_patches},
     material::{FeatherMaterial, FeatherSettings},
-    pack::{TableCache, albedo_array, pack_cards, pack_feathers, same_paint},
+    pack::{TableCache, albedo_array, outline_array, pack_cards, pack_feathers, same_paint},
     stacks::StackWork,
     vertex_light::find_lights,
     wind,
@@ -78,7 +78,7 @@ pub struct FeatherQuality {
 pub struct PlumageMemory {
     /// Feathers and fibre tables.
     pub feathers: u64,
-    /// Albedo textures.
+    /// Albedo textures and maps of outlines.
     pub textures: u64,
     /// Card records and LOD classes.
     pub cards: u64,
@@ -97,6 +97,7 @@ impl PlumageMemory {
 struct FeatherSet {
     feathers: Handle<ShaderBuffer>,
     albedo: Handle<Image>,
+    outlines: Handle<Image>,
     bytes: (u64, u64),
     /// See [`FeatherMaterial::plain`].
     plain: bool,
@@ -277,13 +278,18 @@ fn prepare_materials(
             let mut tables = TableCache::with_stacks(colors);
             let data = pack_feathers(&assets, &mut tables);
             let albedo = albedo_array(&assets, images);
-            let albedo_bytes = albedo.data.as_ref().map_or(0, |data| data.len() as u64);
+            let outlines = outline_array(&assets);
+            let texture_bytes = [&albedo, &outlines]
+                .map(|image| image.data.as_ref().map_or(0, |data| data.len() as u64))
+                .iter()
+                .sum();
             work.feather_buffers += 1;
             work.albedo_textures += 1;
             let set = FeatherSet {
-                bytes: (data.len() as u64, albedo_bytes),
+                bytes: (data.len() as u64, texture_bytes),
                 feathers: buffers.add(upload(data, "feathers")),
                 albedo: images.add(albedo),
+                outlines: images.add(outlines),
                 plain: tables.is_plain(),
                 packed: assets.into_iter().cloned().collect(),
                 tables,
@@ -324,6 +330,7 @@ fn prepare_materials(
             cards: buffers.add(upload(records, "feather_cards")),
             lod: buffers.add(upload(lod, "feather_lod")),
             albedo: set.albedo.clone(),
+            outlines: set.outlines.clone(),
             motion: buffers.add(wind::still_motion(cards)),
         };
         commands.entity(entity).insert((

@@ -48,6 +48,7 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "maths/query_near.wgsl");
         load_shader_library!(app, "maths/query.wgsl");
         load_shader_library!(app, "maths/query_split.wgsl");
+        load_shader_library!(app, "maths/query_map.wgsl");
         load_shader_library!(app, "maths/query_feather.wgsl");
         #[cfg(not(feature = "comparison"))]
         load_shader_library!(app, "maths/coverage_method.wgsl");

@@ -5,6 +5,8 @@ use bevy_plumage::anatomy::{
 };
 use bevy_plumage::asset::{AssetError, RonAsset};
 use bevy_plumage::maths::{Footprint, card};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
 
 fn primary() -> Feather {
     plumage_tests::shipped::feather("eagle_primary")
@@ -193,6 +195,51 @@ fn footprint_is_half_a_pixel() {
     approx::assert_abs_diff_eq!(footprint.covariance[0], expected, epsilon = 1e-12);
     approx::assert_abs_diff_eq!(footprint.covariance[1], 0.0, epsilon = 1e-12);
     approx::assert_abs_diff_eq!(footprint.covariance[2], expected, epsilon = 1e-12);
+}
+
+/// Points of the footprint, drawn; cards turned on the screen, with the pixel's center on them or beside.
+#[test]
+fn the_card_has_its_share_of_a_footprint() {
+    let mut random = Pcg64::seed_from_u64(31);
+    let mut worst = 0.0_f64;
+    for _ in 0..300 {
+        let mut span = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
+        // Pixels across and along the card.
+        let sides = [span(1.0, 40.0), span(2.0, 80.0)];
+        let (sin, cos) = span(0.0, std::f64::consts::TAU).sin_cos();
+        let (dx, dy) = (
+            [cos / sides[0], -sin / sides[1]],
+            [sin / sides[0], cos / sides[1]],
+        );
+        let uv = [0, 1].map(|i| span(-0.5 / sides[i], 1.0 + 0.5 / sides[i]));
+        let count = 20_000;
+        let mut inside = 0;
+        for _ in 0..count {
+            // Box and Muller: standard deviation of half a pixel.
+            let (radius, angle) = (
+                (-2.0 * span(1e-12, 1.0).ln()).sqrt(),
+                span(0.0, std::f64::consts::TAU),
+            );
+            let (x, y) = (0.5 * radius * angle.cos(), 0.5 * radius * angle.sin());
+            let on = |i: usize| (0.0..1.0).contains(&(uv[i] + x * dx[i] + y * dy[i]));
+            inside += usize::from(on(0) && on(1));
+        }
+        let share = card::card_share(uv, dx, dy);
+        worst = worst.max((share - inside as f64 / f64::from(count)).abs());
+    }
+    assert!(worst < 0.02, "{worst}");
+}
+
+#[test]
+fn coverage_of_a_part_is_of_the_part_and_no_more_than_all_of_it() {
+    // Half of the footprint on the card, full there.
+    assert_eq!(
+        card::on_card([0.1, 0.2, 0.1, 0.1], 0.5),
+        [0.2, 0.4, 0.2, 0.2]
+    );
+    let full: [f64; 4] = card::on_card([0.3, 0.2, 0.2, 0.1], 0.5);
+    approx::assert_abs_diff_eq!(full.iter().sum::<f64>(), 1.0, epsilon = 1e-12);
+    assert_eq!(card::on_card([0.0; 4], 0.02), [0.0; 4]);
 }
 
 /// The integral of the indicator of the half plane over the Gaussian, summed on a fine grid.

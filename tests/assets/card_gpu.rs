@@ -6,11 +6,12 @@ use rand::{RngExt, SeedableRng};
 const FILES: [&str; 1] = ["anatomy.wgsl"];
 const COUNT: usize = 4000;
 const INPUTS: usize = 16;
-const OUTPUTS: usize = 11;
+const OUTPUTS: usize = 16;
 
 const TEXT: &str = "
 #import bevy_plumage::anatomy::{
-    canonical_footprint, barb_cotangent, barb_root, contour_coverage, vane_start_coverage, hooked, barbule_factor, contour_row,
+    canonical_footprint, barb_cotangent, barb_root, contour_coverage, vane_start_coverage, hooked, barbule_factor, contour_row, card_share,
+    on_card,
 }
 fn evaluate(i: u32) {
     let k = i * 16u;
@@ -20,7 +21,7 @@ fn evaluate(i: u32) {
     let cotangent = barb_cotangent(sin(input[k + 9u]), cos(input[k + 9u]));
     let reach = input[k + 10u];
     let root = barb_root(at.mean, cotangent);
-    let o = i * 11u;
+    let o = i * 16u;
     output[o] = at.mean.x;
     output[o + 1u] = at.mean.y;
     output[o + 2u] = at.covariance.x;
@@ -32,6 +33,12 @@ fn evaluate(i: u32) {
     output[o + 8u] = hooked(abs(at.mean.x), at.mean.y, reach, input[k + 13u], input[k + 14u]);
     output[o + 9u] = barbule_factor(output[o + 8u]);
     output[o + 10u] = contour_row(root, input[k + 12u], 256.0);
+    output[o + 11u] = card_share(vec2(input[k], input[k + 1u]), vec2(input[k + 2u], input[k + 3u]), vec2(input[k + 4u], input[k + 5u]));
+    let weights = on_card(vec4(input[k], input[k + 1u], input[k + 12u], input[k + 13u]) * 0.25, output[o + 11u]);
+    output[o + 12u] = weights.x;
+    output[o + 13u] = weights.y;
+    output[o + 14u] = weights.z;
+    output[o + 15u] = weights.w;
 }";
 
 #[test]
@@ -98,6 +105,21 @@ fn shader_and_crate_agree() {
             got[8]
         );
         assert!((got[9] - card::barbule_factor(hooked)).abs() < 1e-4);
+        let share = card::card_share([x[0], x[1]], [x[2], x[3]], [x[4], x[5]]);
+        assert!(
+            (got[11] - share).abs() <= 1e-4,
+            "case {i} share of the card: {} against {share}",
+            got[11]
+        );
+        let weights = card::on_card([x[0], x[1], x[12], x[13]].map(|w| 0.25 * w), share);
+        for k in 0..4 {
+            assert!(
+                (got[12 + k] - weights[k]).abs() <= 1e-3,
+                "case {i} weight {k}: {} against {}",
+                got[12 + k],
+                weights[k]
+            );
+        }
         let row = card::contour_row(root, x[12], 256.0);
         assert!(
             (got[10] - row).abs() < 0.01,

@@ -7,6 +7,7 @@ mod bounds;
 mod edges;
 mod gpu;
 mod limits;
+mod map;
 mod masking;
 mod point;
 mod published;

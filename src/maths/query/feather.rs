@@ -153,6 +153,33 @@ pub fn cover_vane<T: Real>(
     [barb, distal, proximal, hook]
 }
 
+/// The same as [`cover_vane`] where averages serve: the vane has `share` of the footprint, whose mean lies over the left vane (or is
+/// mirrored there); `reach`: of the barb through it.
+pub fn mean_vane<T: Real>(
+    card: &CardVane<T>,
+    mean: [T; 2],
+    reach: T,
+    share: T,
+    view: [T; 3],
+    budget: &ErrorBudget<T>,
+) -> [T; 4] {
+    let (zero, one) = (T::zero(), T::one());
+    if share < T::of(LEAST_SHARE) {
+        return [zero, zero, zero, one];
+    }
+    let mut vane = card.vane;
+    let [x, y] = mean;
+    vane.hooked = barbule_factor(hooked(x.abs(), y, reach, card.fringe, card.downy));
+    let cell = mask_vane(&vane, view);
+    let nowhere = Footprint {
+        mean,
+        covariance: [zero; 3],
+    };
+    let [barb, distal, proximal] = vane_coverage(&cell, &vane, &nowhere, Lod::Mean, budget);
+    let part = |w: T| share * w.max(zero);
+    [part(barb), part(distal), part(proximal), vane.hooked]
+}
+
 /// Share of a footprint at height `v` that the rachis hides, which ends where the card does.
 pub fn cover_rachis<T: Real>(footprint: &Footprint<T>, edges: [T; 2], v: T) -> T {
     rachis_share(footprint, edges) * (T::one() - smooth_step(T::of(0.99), T::one(), v))

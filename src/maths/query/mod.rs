@@ -21,7 +21,7 @@
 //! | NEAR | 0.03 at the default budget | closed forms, or up to 144 cells |
 //!
 //! Everything is generic over `f32` and `f64`. What is drawn has a twin of the same name in
-//! `src/shaders/maths/{math,footprint,masking,query,query_far,query_near,query_split,query_feather,shadow}.wgsl`; a method is a
+//! `src/shaders/maths/{math,footprint,masking,query,query_far,query_near,query_split,query_map,query_feather,shadow}.wgsl`; a method is a
 //! function of that name there.
 //! Derivations, bounds and measurements are in `docs/book/range_queries.md`; equation numbers are those of
 //! Chen et al. 2026.
@@ -34,6 +34,7 @@ mod choose;
 pub mod coverage;
 pub mod feather;
 mod lattice;
+pub mod map;
 mod masking;
 mod mean;
 mod near;
@@ -45,8 +46,12 @@ pub mod vane;
 
 pub use choose::{Choice, ErrorBudget, Evaluator, Lod, Quality, choose, classify_bounds};
 pub use coverage::{Coverage, cell_coverage, vane_coverage};
-pub use feather::{CardFeather, CardVane, Outline, cover, cover_vane, feather_coverage};
+pub use feather::{CardFeather, CardVane, Outline, cover, cover_vane, feather_coverage, mean_vane};
 pub use lattice::{MAX_COLUMNS, MAX_ROWS, lattice_coverage};
+pub use map::{
+    LAST_MAP_LEVEL, MAP_MARGIN, MAP_SIZE, MAX_MAP_LOOKS, MapSight, map_border, map_place,
+    map_share, map_sight, map_vanes,
+};
 pub use masking::{
     BarbStrip, Family, Storey, Storeys, VaneShape, barb_hidden, barb_strip, mask_rachis,
     mask_strip, mask_vane, storeys, vane_shape,

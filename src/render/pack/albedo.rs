@@ -1,6 +1,6 @@
 //! The albedo of a bird's feathers as a texture array.
 
-use super::mips::append_with_mips;
+use super::{mips::append_with_mips, outlines::same_outline};
 use crate::anatomy::{Feather, Pattern, Weather};
 use bevy::{
     asset::RenderAssetUsages,
@@ -14,10 +14,12 @@ use bevy::{
 
 /// Size of a baked albedo layer.
 const ALBEDO_SIZE: (u32, u32) = (32, 128);
+/// Shorter side of the smallest level.
+const LEAST_SIDE: u32 = 4;
 /// Size of the layers where a feather has a picture.
 const PICTURE_SIZE: (u32, u32) = (128, 512);
 
-/// Whether two states of a feather have the same albedo texture.
+/// Whether two states of a feather have the same textures: albedo and outline.
 pub fn same_paint(a: &Feather, b: &Feather) -> bool {
     let paint = |feather: &Feather| {
         (
@@ -27,7 +29,7 @@ pub fn same_paint(a: &Feather, b: &Feather) -> bool {
             feather.weather,
         )
     };
-    paint(a) == paint(b) && a.contour == b.contour && a.rachis == b.rachis && a.aspect == b.aspect
+    paint(a) == paint(b) && a.rachis == b.rachis && same_outline(a, b)
 }
 
 /// The albedo of one bird, two layers per feather: front, back. `images` serves albedo images that replace the painted front.
@@ -44,7 +46,7 @@ pub fn albedo_array(feathers: &[&Feather], images: &Assets<Image>) -> Image {
             |back| weathered(feather, back.bake(width as usize, height as usize, feather)),
         );
         for face in [front, back] {
-            levels = append_with_mips(&mut data, face, width, height);
+            levels = append_with_mips::<4>(&mut data, face, width, height, LEAST_SIDE);
         }
     }
     let mut image = Image::new_uninit(

@@ -190,6 +190,9 @@ fn fragment(in: FeatherVertex) -> FeatherColor {
     return out;
 }
 
+// The part of the sky that the feathers above leave open at a height of the card: it grows towards the tip.
+fn open_sky(v: f32) -> f32 { return 1.0 - settings.shelter * (1.0 - smoothstep(0.05, 0.8, v)); }
+
 #ifdef LIT_VERTICES
 // Light from the fragment towards the eye: what its card makes of light is known from its vertices.
 fn shade(
@@ -207,8 +210,8 @@ fn shade(
     let behind = light::environment(seen, -eye_side, -frame.eye, 0.8);
     let response = response_of(in, covered.right, covered.weights.x / opacity);
     let paint = paint_over(albedo);
-    var sum = around.radiance * response.sky + around.irradiance * (response.front * paint)
-        + behind.irradiance * (response.back * paint);
+    var sum = open_sky(in.uv.y) * (around.radiance * response.sky + around.irradiance * (response.front * paint)
+        + behind.irradiance * (response.back * paint));
     let lights = light::lights_of(seen);
     for (var i = 0u; i < lights.count; i++) {
         let found = light::light_at(seen, lights, i);
@@ -249,8 +252,7 @@ fn shade(
     let base_share = 1.0 - fuzz_albedo * max(max(tint.x, tint.y), tint.z);
     let fuzz_tint = fuzz.x * tint;
 
-    // The part of the sky that the feathers above leave open grows towards the tip.
-    let open = 1.0 - settings.shelter * (1.0 - smoothstep(0.05, 0.8, in.uv.y));
+    let open = open_sky(in.uv.y);
     let reflected = reflect(-frame.eye, eye_side);
 #ifdef IRIDESCENT
     // Of all mirrors of a vane thin layers are the brightest.

@@ -25,6 +25,8 @@ struct FeatherSettings {
 @group(#{MATERIAL_BIND_GROUP}) @binding(3) var<storage, read> lod: array<u32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(4) var albedo_texture: texture_2d_array<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(5) var albedo_sampler: sampler;
+// Shares of the cards inside the outlines, a layer per feather.
+@group(#{MATERIAL_BIND_GROUP}) @binding(7) var outline_texture: texture_2d_array<f32>;
 // Wind and ruffle, now and then a frame ago (twin of src/render/wind.rs): (direction, speed), (gusts, eddy size, eddy frequency,
 // regions), heights of the worn pose, two lights (direction, 1: there is one), then (lift, compliance, limit, yaw) of each region.
 @group(#{MATERIAL_BIND_GROUP}) @binding(6) var<storage, read> motion: array<vec4<f32>>;

@@ -2,14 +2,18 @@
 #define_import_path bevy_plumage::feather_cover
 #import bevy_pbr::mesh_view_bindings::view
 #import bevy_plumage::{
-    anatomy::{barb_cotangent, barb_root, canonical_footprint},
-    feather_bindings::{contour_at, contour_between, feather_at, rachis_at, settings, shape_at},
+    anatomy::{barb_cotangent, barb_root, canonical_footprint, card_share, on_card, vane_start_coverage},
+    feather_bindings::{
+        albedo_sampler, contour_at, contour_between, feather_at, outline_texture, rachis_at, settings, shape_at,
+    },
     feather_data as data,
     feather_io::FeatherVertex,
     footprint::{Footprint, mirrored, widened},
     masking::mask_rachis,
-    query_feather::{CardVane, Outline, VaneCover, cover_feather, cover_rachis, cover_vane, shows_vane},
-    query_split::{outline_node, outline_root, outline_sight},
+    math::smooth_step,
+    query_feather::{CardVane, LEAST_SHARE, Outline, VaneCover, cover_feather, cover_rachis, cover_vane, mean_vane, shows_vane},
+    query_map::{MAP_SIZE, MapSight, map_border, map_place, map_sight, map_vanes},
+    query_split::{Line, line_share, outline_node, outline_root, outline_sight, rachis_line},
 }
 
 // The card's frame in the world and the eye in it.
@@ -34,7 +38,7 @@ fn to_eye(world_position: vec3<f32>) -> vec3<f32> {
 
 fn frame_of(in: FeatherVertex) -> Frame {
     var frame: Frame;
-    frame.normal = normalize(in.world_normal);
+    frame.normal = normalize(in.world_normal.xyz);
     let tangent = in.world_tangent.xyz - frame.normal * dot(frame.normal, in.world_tangent.xyz);
     frame.along = tangent * inverseSqrt(max(dot(tangent, tangent), 1e-12));
     frame.hand = select(-1.0, 1.0, in.world_tangent.w > 0.0);
@@ -54,8 +58,112 @@ struct Covered {
     footprint: Footprint,
 }
 
+// A lowest barb so low that every footprint is above it.
+const BEGUN: f32 = -1e3;
+
+// Share of a footprint (over the left vane, or mirrored there) inside the outline of one vane.
+fn outline_share(base: u32, right: bool, footprint: Footprint, cotangent: f32, start: f32) -> f32 {
+    // The outline may turn within the footprint.
+    let last = f32(data::CONTOUR_SAMPLES - 1u);
+    let sight = outline_sight(footprint, cotangent, (1.0 - start) / last);
+    let rows = last / max(1.0 - start, 1e-3);
+    var nodes = vec2(0.0);
+    for (var i = 0u; i < sight.count; i++) {
+        let there = contour_between(base, clamp((outline_root(sight, i) - start) * rows, 0.0, last));
+        nodes += outline_node(sight, i, select(there.xz, there.yw, right));
+    }
+    return nodes.y / max(nodes.x, 1e-9);
+}
+
+// Share of the fragment inside the outline of both vanes, from its map; -1 where that would show its texels.
+fn mapped_share(in: FeatherVertex, sight: MapSight) -> f32 {
+    if (!sight.serves) {
+        return -1.0;
+    }
+    let layer = data::card_feather(in.card.x);
+    let more = f32(sight.count) - 1.0;
+    var place = map_place(in.uv) - sight.step * (0.5 * more);
+    let texels = MAP_SIZE * exp2(-sight.level);
+    var weight = 1.0;
+    var sum = vec2(0.0);
+    for (var i = 0u; i < sight.count; i++) {
+        let share = textureSampleLevel(outline_texture, albedo_sampler, place, layer, sight.level).r;
+        sum += weight * vec2(1.0, map_border(place, texels) * share);
+        weight *= (more - f32(i)) / (f32(i) + 1.0);
+        place += sight.step;
+    }
+    return sum.y / sum.x;
+}
+
+// The same from the outline of the vane below the middle.
+fn near_share(base: u32, shape: vec4<f32>, footprint: Footprint) -> f32 {
+    let right = footprint.mean.x > 0.0;
+    var side = widened(footprint).footprint;
+    if (right) { side = mirrored(side); }
+    side.mean.x = min(side.mean.x, -1e-6);
+    let angles = feather_at(base + select(data::LEFT_VANE, data::RIGHT_VANE, right));
+    let cotangent = barb_cotangent(angles.x, angles.y);
+    return outline_share(base, right, side, cotangent, shape.z) * vane_start_coverage(side, shape.z, cotangent);
+}
+
+// Shares of a footprint left and right of the rachis.
+fn beside_rachis(edges: vec2<f32>, footprint: Footprint) -> vec2<f32> {
+    return vec2(
+        line_share(rachis_line(min(edges.x, edges.y)), footprint),
+        line_share(Line(-max(edges.x, edges.y), vec2(1.0, 0.0)), footprint),
+    );
+}
+
+// Means are the same everywhere: both vanes differ in what of the fragment they have.
+fn cover_means(
+    in: FeatherVertex,
+    base: u32,
+    shape: vec4<f32>,
+    frame: Frame,
+    mapped: f32,
+    footprint: Footprint,
+    edges: vec2<f32>,
+) -> Covered {
+    var inside = mapped;
+    if (mapped < 0.0) {
+        inside = near_share(base, shape, footprint);
+    }
+    let beside = beside_rachis(edges, footprint);
+    let hidden = clamp(1.0 - beside.x - beside.y, 0.0, 1.0);
+    let shares = map_vanes(inside, hidden, beside);
+    let main = footprint.mean.x > 0.5 * (edges.x + edges.y);
+    if (shares.x + shares.y + hidden < LEAST_SHARE) {
+        return Covered(vec4(0.0), main, 1.0, 1.0, footprint);
+    }
+    let hides = hidden * (1.0 - smooth_step(0.99, 1.0, in.uv.y));
+    // In a loop, or the shader holds the vane twice; that of which more is asked comes last.
+    var other = vec3(0.0);
+    var vane = VaneCover();
+    for (var i = 0u; i < 2u; i++) {
+        let right = main == (i == 1u);
+        let share = select(shares.x, shares.y, right);
+        other = vane.weights;
+        vane = VaneCover();
+        if (share < LEAST_SHARE && i == 0u) {
+            continue;
+        }
+        let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
+        let rest = feather_at(slot + 2u);
+        let card = CardVane(shape_at(slot), rest.y, rest.z);
+        // The right vane is the left one mirrored.
+        let mirror = select(1.0, -1.0, right);
+        let mean = footprint.mean * vec2(mirror, 1.0);
+        let root = barb_root(mean, barb_cotangent(card.shape.vane.sin_b, card.shape.vane.cos_b));
+        let reach = contour_at(base, shape.z, root);
+        vane = mean_vane(card, mean, select(reach.x, reach.y, right), share, frame.local_eye * vec3(mirror, 1.0, 1.0));
+    }
+    return Covered(cover_feather(hides, other, vane.weights), main, vane.hook, vane.open, footprint);
+}
+
+#ifndef ONLY_MEAN
 // One vane (`right` or left) beside the rachis, whose edge is at x = edge; the footprint is over the left vane or mirrored there.
-// `main`: it has most of the footprint, and what the eye sees of it is asked for even where that is nothing.
+// `main`: it has most of the footprint, and what the eye sees of it is asked for even where that is nothing. `mapped`: share of what is
+// beside the rachis inside the outline, or -1.
 fn cover_side(
     base: u32,
     right: bool,
@@ -65,6 +173,7 @@ fn cover_side(
     frame: Frame,
     shape: vec4<f32>,
     level: u32,
+    mapped: f32,
 ) -> VaneCover {
     // Asked again by cover_vane; here it spares the tables.
     let shows = shows_vane(footprint, edge);
@@ -76,34 +185,42 @@ fn cover_side(
     let card = CardVane(shape_at(slot), rest.y, rest.z);
     let cotangent = barb_cotangent(card.shape.vane.sin_b, card.shape.vane.cos_b);
     let reach = contour_at(base, shape.z, barb_root(footprint.mean, cotangent));
-    // The outline may turn within the footprint.
-    let last = f32(data::CONTOUR_SAMPLES - 1u);
-    let sight = outline_sight(footprint, cotangent, (1.0 - shape.z) / last);
-    let rows = last / max(1.0 - shape.z, 1e-3);
-    var nodes = vec2(0.0);
-    for (var i = 0u; i < select(0u, sight.count, shows); i++) {
-        let there = contour_between(base, clamp((outline_root(sight, i) - shape.z) * rows, 0.0, last));
-        nodes += outline_node(sight, i, select(there.xz, there.yw, right));
+    var inside = max(mapped, 0.0);
+    if (shows && mapped < 0.0) {
+        inside = outline_share(base, right, footprint, cotangent, shape.z);
     }
-    let outline = Outline(select(reach.xz, reach.yw, right), nodes.y / max(nodes.x, 1e-9));
+    let outline = Outline(select(reach.xz, reach.yw, right), inside);
     // The right vane is the left one mirrored.
     let view = frame.local_eye * vec3(select(1.0, -1.0, right), 1.0, 1.0);
 #ifdef ONLY_FAR
     // A pipeline for stripes alone: the LOD pass has asked for a margin that covers parts.
     let parts_level = level;
-#else ifdef ONLY_MEAN
-    // Means are not cut; without this the pipeline would hold every evaluator.
-    let parts_level = level;
 #else
     let parts_level = data::CARD_MIXED;
 #endif
-    return cover_vane(card, shape.z, outline, footprint, edge, view, level, parts_level, settings.threshold);
+    // The map knows where the vane begins.
+    let start = select(shape.z, BEGUN, mapped >= 0.0);
+    return cover_vane(card, start, outline, footprint, edge, view, level, parts_level, settings.threshold);
 }
 
-fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u32) -> Covered {
-    let rachis = rachis_at(base, in.uv.y);
-    let footprint = widened(canonical_footprint(in.uv, dpdx(in.uv), dpdy(in.uv), rachis.x, rachis.y, shape.x)).footprint;
-    let edges = mask_rachis(rachis.z, frame.local_eye);
+// Cards of stripes or single fibres.
+fn cover_parts(
+    uv: vec2<f32>,
+    base: u32,
+    shape: vec4<f32>,
+    frame: Frame,
+    level: u32,
+    seen: Footprint,
+    edges: vec2<f32>,
+    mapped: f32,
+) -> Covered {
+    let footprint = widened(seen).footprint;
+    var vanes = mapped;
+    if (mapped >= 0.0) {
+        let beside = beside_rachis(edges, footprint);
+        let shares = map_vanes(mapped, clamp(1.0 - beside.x - beside.y, 0.0, 1.0), beside);
+        vanes = min((shares.x + shares.y) / max(beside.x + beside.y, 1e-6), 1.0);
+    }
     let main = footprint.mean.x > 0.5 * (edges.x + edges.y);
     // In a loop, or the shader holds the vane twice; that of which more is asked comes last.
     var other = vec3(0.0);
@@ -113,8 +230,52 @@ fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u3
         var side = footprint;
         if (right) { side = mirrored(footprint); }
         other = vane.weights;
-        vane = cover_side(base, right, i == 1u, side, select(edges.x, -edges.y, right), frame, shape, level);
+        vane = cover_side(base, right, i == 1u, side, select(edges.x, -edges.y, right), frame, shape, level, vanes);
     }
-    let weights = cover_feather(cover_rachis(footprint, edges, in.uv.y), other, vane.weights);
+    let weights = cover_feather(cover_rachis(footprint, edges, uv.y), other, vane.weights);
     return Covered(weights, main, vane.hook, vane.open, footprint);
+}
+
+// Whether a pipeline of several classes meets a card of means; methods for comparison know none.
+fn is_mean(level: u32) -> bool {
+#ifdef ONLY_FAR
+    return false;
+#else ifdef ONLY_RESOLVED
+    return false;
+#else ifdef PUBLISHED_COVERAGE
+    return false;
+#else ifdef SUPERSAMPLED_COVERAGE
+    return false;
+#else
+    return level == data::CARD_MEAN;
+#endif
+}
+#endif
+
+// Of the part of the fragment that lies on the card: the rasterizer leaves out the rest.
+fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u32) -> Covered {
+    let rachis = rachis_at(base, in.uv.y);
+    let dx = dpdx(in.uv);
+    let dy = dpdy(in.uv);
+    let seen = canonical_footprint(in.uv, dx, dy, rachis.x, rachis.y, shape.x);
+    let edges = mask_rachis(rachis.z, frame.local_eye);
+#ifdef PUBLISHED_COVERAGE
+    let mapped = -1.0;
+#else ifdef SUPERSAMPLED_COVERAGE
+    let mapped = -1.0;
+#else
+    let mapped = mapped_share(in, map_sight(dx, dy));
+#endif
+    var covered: Covered;
+#ifdef ONLY_MEAN
+    covered = cover_means(in, base, shape, frame, mapped, seen, edges);
+#else
+    if (is_mean(level)) {
+        covered = cover_means(in, base, shape, frame, mapped, seen, edges);
+    } else {
+        covered = cover_parts(in.uv, base, shape, frame, level, seen, edges, mapped);
+    }
+#endif
+    covered.weights = on_card(covered.weights, card_share(in.uv, dx, dy));
+    return covered;
 }

@@ -7,7 +7,7 @@
 #import bevy_pbr::prepass_bindings::previous_view_uniforms
 #endif
 #import bevy_plumage::{
-    anatomy::{barb_cotangent, barb_root, barbule_factor, canonical_footprint, contour_coverage, hooked, vane_start_coverage},
+    anatomy::{barb_cotangent, barb_root, barbule_factor, canonical_footprint, card_share, contour_coverage, hooked, vane_start_coverage},
     feather_bindings::{contour_at, feather_at, feather_base, rachis_at, shape_at},
     feather_cover::{cover, frame_of},
     feather_data as data,
@@ -49,7 +49,9 @@ struct Output {
 // Share of the light that a feather stops at `uv`.
 fn shadow_opacity(in: FeatherVertex, base: u32, shape: vec4<f32>) -> f32 {
     let rachis = rachis_at(base, in.uv.y);
-    let footprint = canonical_footprint(in.uv, dpdx(in.uv), dpdy(in.uv), rachis.x, rachis.y, shape.x);
+    let dx = dpdx(in.uv);
+    let dy = dpdy(in.uv);
+    let footprint = canonical_footprint(in.uv, dx, dy, rachis.x, rachis.y, shape.x);
     if (abs(footprint.mean.x) < rachis.z) {
         return 1.0;
     }
@@ -65,9 +67,9 @@ fn shadow_opacity(in: FeatherVertex, base: u32, shape: vec4<f32>) -> f32 {
     let seen = storeys(vane, light);
     let covered = mean_coverage(seen_cell(vane, seen, barb_strip(vane, seen), light.z >= 0.0));
     let hook = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
-    return contour_coverage(footprint, reach.x, reach.y, cotangent)
-        * vane_start_coverage(footprint, shape.z, cotangent)
-        * (covered.x + (covered.y + covered.z) * hook);
+    // Of the part on the card: the rasterizer leaves out the rest.
+    let inside = contour_coverage(footprint, reach.x, reach.y, cotangent) * vane_start_coverage(footprint, shape.z, cotangent);
+    return min(inside / card_share(in.uv, dx, dy), 1.0) * (covered.x + (covered.y + covered.z) * hook);
 }
 
 // Whether the fragment is no part of the silhouette; its samples otherwise.

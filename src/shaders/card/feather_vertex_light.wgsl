@@ -3,7 +3,7 @@
 #define_import_path bevy_plumage::feather_vertex_light
 #import bevy_plumage::{
     anatomy::{barbule_factor, hooked},
-    feather_bindings::{albedo_sampler, albedo_texture, contour_at, feather_at, feather_base, motion, rachis_at, settings, shape_at, sheen_at},
+    feather_bindings::{albedo_sampler, albedo_texture, feather_at, feather_base, motion, rachis_at, settings, shape_at, sheen_at},
     feather_cover::{Covered, Frame, frame_of},
     feather_data as data,
     feather_fibre::{DISTAL, fibre_tangent, in_fibre, short_part},
@@ -23,6 +23,10 @@ const VERTEX_LIGHTS: u32 = 2u;
 const LEAST_PAINT: f32 = 0.02;
 // Levels of the albedo below the smallest one: a vertex takes the color around it.
 const AROUND: u32 = 3u;
+// Share of the card's width by which the shaft may lie beside its middle, so that a vane ends where the vertices of the middle are.
+const STRAIGHT: f32 = 0.06;
+// Share of the width, from the middle, within which both vanes meet.
+const EDGE: f32 = 0.25;
 
 // Radiance to the eye per irradiance. Of each light: for every channel per painted color, then what has no color. Of the sky in front and
 // behind, per painted color; per radiance of the mirrored sky. Of the shaft beside the vane: of the lights and the sky per painted color,
@@ -65,7 +69,8 @@ fn light_response(in: FeatherVertex, response: VaneResponse, direction: vec3<f32
 // What the responses per painted color are multiplied with.
 fn paint_over(albedo: vec3<f32>) -> vec3<f32> { return albedo + LEAST_PAINT; }
 
-// Of one vane at a height on the rachis, `aside` of its reach from the shaft; of the shaft where that is 0.
+// Of one vane at a height on the rachis, `aside` of the card's width from the middle; of the shaft, too, where that is 0. `present`: which
+// of the lights there are; the others answer nothing.
 fn vane_response(
     base: u32,
     right: bool,
@@ -74,6 +79,7 @@ fn vane_response(
     frame: Frame,
     albedo: vec3<f32>,
     lights: array<vec3<f32>, VERTEX_LIGHTS>,
+    present: vec2<bool>,
 ) -> VaneResponse {
     let front = frame.local_eye.z >= 0.0;
     let header = feather_at(base + data::SHAPE);
@@ -82,9 +88,9 @@ fn vane_response(
     // Averages over the pattern beside the place.
     var shape = shape_at(slot);
     let rest = feather_at(slot + 2u);
-    let contour = contour_at(base, header.z, height);
-    let reach = select(contour.x, contour.y, right);
-    shape.vane.hooked = barbule_factor(hooked(aside * reach, height, reach, rest.y, rest.z));
+    // The fringe is narrower than from one vertex to the next: at the edge so much is loose that the mean over the vane is right.
+    let tight = max(1.0 - 4.0 * aside * rest.y, 0.0);
+    shape.vane.hooked = barbule_factor(tight * hooked(0.0, height, 1.0, 0.0, rest.z));
     let view = frame.local_eye * vec3(select(1.0, -1.0, right), 1.0, 1.0);
     let seen = storeys(shape, view);
     let strip = barb_strip(shape, seen);
@@ -92,7 +98,7 @@ fn vane_response(
     let nowhere = Footprint(vec2(0.0), vec3(0.0));
     let weights = max(vane_coverage(cell, shape.vane, nowhere, LOD_MEAN, 0.0), vec3(0.0));
     // The shaft counts for itself.
-    let shares = vec4(select(0.0, 1.0, right && aside < 0.25), weights / max(dot(weights, vec3(1.0)), 1e-6));
+    let shares = vec4(select(0.0, 1.0, right && aside < EDGE), weights / max(dot(weights, vec3(1.0)), 1e-6));
     let open = clamp(strip.x / max(2.0 * seen.silhouette, 1e-9), 0.0, 1.0);
     let covered = Covered(shares, right, shape.vane.hooked, open, nowhere);
     let shadowing = shadowing_of(base, height, covered, frame);
@@ -103,11 +109,8 @@ fn vane_response(
     let tint = sheen_tint(albedo * feather_at(base + data::PARTS + DISTAL).x);
     let fuzz_albedo = sheen_albedo(sheen, fuzz.x);
     let base_share = 1.0 - fuzz_albedo * max(max(tint.x, tint.y), tint.z);
-    let under = 1.0 - settings.shelter * (1.0 - smoothstep(0.05, 0.8, height));
     let up = vec3(0.0, 0.0, select(-1.0, 1.0, front));
 
-    // The three channels, and a black one.
-    let painted = vec4(albedo, 0.0);
     var lit = array<vec4<f32>, VERTEX_LIGHTS>();
     var ahead = vec4(fuzz_albedo * tint, 0.0);
     var beyond = vec4(0.0);
@@ -115,6 +118,9 @@ fn vane_response(
     var caught = array<f32, VERTEX_LIGHTS>();
     var reaches = array<Reaches, VERTEX_LIGHTS>();
     for (var i = 0u; i < VERTEX_LIGHTS; i++) {
+        if (!present[i]) {
+            continue;
+        }
         let ray = light_ray(shadowing, lights[i]);
         caught[i] = caught_light(shadowing, ray);
         reaches[i] = reaches_of(shadowing, ray);
@@ -147,12 +153,19 @@ fn vane_response(
         var lobes = array<short::ShortLobes, VERTEX_LIGHTS>();
         var arriving = array<FibreReach, VERTEX_LIGHTS>();
         for (var i = 0u; i < VERTEX_LIGHTS; i++) {
+            if (!present[i]) {
+                continue;
+            }
             lobes[i] = short::short_lobes(shading, in_fibre(tangent, frame.hand, lights[i]));
             arriving[i] = reach_of(reaches[i], part, shadowing.lower, lobes[i].turn, false);
         }
+        let inside = single_scattering_albedo(min(albedo * about.x, vec3(0.98)), meets);
         for (var c = 0u; c < 4u; c++) {
-            let inside = min(painted[c] * about.x, 0.98);
-            let color = short::short_color(shading, single_scattering_albedo(vec3(inside), meets).x, frequency);
+            // A black fibre has its surface alone.
+            var color = short::ShortColor();
+            if (c < 3u) {
+                color = short::short_color(shading, inside[c], frequency);
+            }
             let second = shading.energy.y * clearness * color.second;
             let medulla = shading.energy.z * color.scattered;
             let from_front = second * kept_second.x + medulla * before.w;
@@ -163,6 +176,9 @@ fn vane_response(
             let there = vec2(again.y * from_front + 0.5 * again.x, again.y * from_back + 0.5 * again.x);
             var own = vec2(0.0);
             for (var i = 0u; i < VERTEX_LIGHTS; i++) {
+                if (!present[i]) {
+                    continue;
+                }
                 own[i] = again.y * short::short_lit(shading, color, lobes[i], arriving[i]) + again.x * caught[i];
             }
             if (part == 0u) {
@@ -180,10 +196,10 @@ fn vane_response(
     return VaneResponse(
         vec4((lit[0].rgb - lit[0].w) * per_paint, lit[0].w),
         vec4((lit[1].rgb - lit[1].w) * per_paint, lit[1].w),
-        ahead.rgb * per_paint * under,
-        beyond.rgb * per_paint * under,
-        mirrored * under,
-        shaft * vec4(1.0, 1.0, under, under) / (dot(albedo, vec3(1.0)) + 3.0 * LEAST_PAINT),
+        ahead.rgb * per_paint,
+        beyond.rgb * per_paint,
+        mirrored,
+        shaft / (dot(albedo, vec3(1.0)) + 3.0 * LEAST_PAINT),
     );
 }
 
@@ -198,21 +214,28 @@ fn light_vertex(placed: FeatherVertex) -> FeatherVertex {
     let base = feather_base(feather);
     let frame = frame_of(placed);
     var lights = array<vec3<f32>, VERTEX_LIGHTS>();
+    var present = vec2(false);
     for (var i = 0u; i < VERTEX_LIGHTS; i++) {
-        let there = motion[min(data::MOTION_LIGHTS + i, arrayLength(&motion) - 1u)].xyz;
-        lights[i] = vec3(dot(there, frame.across), dot(there, frame.along), dot(there, frame.normal));
+        let there = motion[min(data::MOTION_LIGHTS + i, arrayLength(&motion) - 1u)];
+        lights[i] = vec3(dot(there.xyz, frame.across), dot(there.xyz, frame.along), dot(there.xyz, frame.normal));
+        present[i] = there.w > 0.5;
     }
     let first = data::octahedral_of(motion[min(data::MOTION_LIGHTS, arrayLength(&motion) - 1u)].xyz);
     let levels = textureNumLevels(albedo_texture);
     let layer = 2u * feather + select(1u, 0u, frame.local_eye.z >= 0.0);
     let texel = textureSampleLevel(albedo_texture, albedo_sampler, placed.uv, layer, f32(max(levels, AROUND) - AROUND));
     let albedo = mix(texel.rgb, data::card_tint(placed.card.y), texel.a);
-    // Half way to the edge the vane is what it is in most places.
     let aside = abs(placed.uv.x - 0.5);
-    // Both vanes end at the shaft, one at an edge.
+    // Both vanes end at the shaft, one at an edge: there the other one, of which next to nothing shows unless the shaft is bent, counts as
+    // the same.
+    let both = aside < EDGE || abs(rachis_at(base, placed.uv.y).x - 0.5) > STRAIGHT;
+    let edge_is_right = placed.uv.x > 0.5;
+    var found = VaneResponse();
     for (var i = 0u; i < 2u; i++) {
         let right = i == 1u;
-        let found = vane_response(base, right, placed.uv.y, aside, frame, albedo, lights);
+        if (both || i == 0u) {
+            found = vane_response(base, select(edge_is_right, right, both), placed.uv.y, aside, frame, albedo, lights, present);
+        }
         if (right) {
             out.right_first = found.first;
             out.right_second = found.second;

@@ -28,6 +28,24 @@ fn canonical_footprint(
     return Footprint(canonical(uv, curve, aspect), covariance);
 }
 
+// Least share of a footprint between two edges of its card.
+const LEAST_CARD_SHARE: f32 = 0.02;
+
+// Share of a pixel's footprint that lies on the card.
+fn card_share(uv: vec2<f32>, duv_dx: vec2<f32>, duv_dy: vec2<f32>) -> f32 {
+    let scale = inverseSqrt(max(0.25 * (duv_dx * duv_dx + duv_dy * duv_dy), vec2(1e-14)));
+    let low = uv * scale;
+    let high = (1.0 - uv) * scale;
+    let across = normal_share(low.x) + normal_share(high.x) - 1.0;
+    let along = normal_share(low.y) + normal_share(high.y) - 1.0;
+    return max(across, LEAST_CARD_SHARE) * max(along, LEAST_CARD_SHARE);
+}
+
+// Coverages of the part of a footprint on the card, from those of the whole one and its card_share.
+fn on_card(weights: vec4<f32>, share: f32) -> vec4<f32> {
+    return weights / max(share, dot(weights, vec4(1.0)));
+}
+
 // Cotangent of the angle between barb and rachis, finite.
 fn barb_cotangent(sin_b: f32, cos_b: f32) -> f32 {
     return cos_b / max(sin_b, 1e-3);

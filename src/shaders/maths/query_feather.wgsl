@@ -7,7 +7,7 @@
 #import bevy_plumage::footprint::{Footprint}
 #import bevy_plumage::masking::{VaneShape, barb_strip, seen_cell, storeys}
 #import bevy_plumage::math::{smooth_step}
-#import bevy_plumage::query::LOD_MEAN
+#import bevy_plumage::query::{LOD_MEAN, vane_coverage}
 #import bevy_plumage::query_split::{line_part, line_rest, line_share, outline_line, rachis_line, rachis_share, split_line}
 
 // A vane that shows less of a footprint than this is left out.
@@ -116,6 +116,24 @@ fn cover_vane(
         covered += mass * part_coverage(cell, vane, part.footprint, part_lod, threshold);
     }
     found.weights = max(covered, vec3(0.0)) * begun;
+    return found;
+}
+
+// The same where averages serve: of the footprint the vane has `share`. `mean`: over the left vane, or mirrored there; `reach`: of the
+// barb through it.
+fn mean_vane(card: CardVane, mean: vec2<f32>, reach: f32, share: f32, view: vec3<f32>) -> VaneCover {
+    var shape = card.shape;
+    let shows = share >= LEAST_SHARE;
+    shape.vane.hooked = select(1.0, barbule_factor(hooked(abs(mean.x), mean.y, reach, card.fringe, card.downy)), shows);
+    let seen = storeys(shape, view);
+    let strip = barb_strip(shape, seen);
+    let open = clamp(strip.x / max(2.0 * seen.silhouette, 1e-9), 0.0, 1.0);
+    var found = VaneCover(vec3(0.0), shape.vane.hooked, open);
+    if shows {
+        let cell = seen_cell(shape, seen, strip, view.z >= 0.0);
+        let nowhere = Footprint(mean, vec3(0.0));
+        found.weights = share * max(vane_coverage(cell, shape.vane, nowhere, LOD_MEAN, 0.0), vec3(0.0));
+    }
     return found;
 }
 
