@@ -10,8 +10,6 @@ use crate::wing::WingPlane;
 const BED: f32 = 1.3;
 /// Radius at the wrist of the plumage that buries the folded arm, in that at the shoulder.
 const FRONT: f32 = 0.7;
-/// Over which the swell before the folded hand runs out into the trunk, mm on the macaw.
-const SWELL_BLEND: f32 = 45.0;
 /// Over which the swells of the two sides meet, mm on the macaw.
 const MEETING_BLEND: f32 = 30.0;
 
@@ -152,11 +150,9 @@ impl<'a> Body<'a> {
         smooth_min(d, strip, 0.5 * k)
     }
 
-    /// Signed distance, approximate away from the surface.
-    pub fn distance(&self, p: Vec3) -> f32 {
-        let p = Vec3::new(p.x.abs(), p.y, p.z);
-        let parts = self.parts(p);
-        let [k, k_tarsus, k_wing] = self.species.blend;
+    /// Distance to the trunk with the plumage that swells before the folded wing and buries its arm. `p.x` is not negative; `bare`:
+    /// distance to the loft there.
+    pub fn trunk_in_plumage(&self, p: Vec3, bare: f32) -> f32 {
         let [shoulder, elbow, wrist, _, tip] = self.folded;
         // The feathers of the breast's sides swell before the folded hand, whose front edge they cover.
         let s = self.species.swell_scale;
@@ -182,7 +178,7 @@ impl<'a> Body<'a> {
             swell(Vec3::new(-p.x, p.y, p.z)),
             MEETING_BLEND * s,
         );
-        let trunk = smooth_min(parts.trunk.distance, swell, SWELL_BLEND * s);
+        let trunk = smooth_min(bare, swell, self.species.swell_blend * s);
         // Those of the flank lie flat below the folded forearm, which they bed.
         let radius = BED * self.species.arm[1];
         let bed = cone(p, elbow, wrist, [radius; 2]).0;
@@ -190,6 +186,15 @@ impl<'a> Body<'a> {
         if let (Some([arm, front]), Some(shoulder)) = (self.shoulder(p), self.species.shoulder) {
             trunk = smooth_min(trunk, arm.min(front), shoulder.blend * s);
         }
+        trunk
+    }
+
+    /// Signed distance, approximate away from the surface.
+    pub fn distance(&self, p: Vec3) -> f32 {
+        let p = Vec3::new(p.x.abs(), p.y, p.z);
+        let parts = self.parts(p);
+        let [k, k_tarsus, k_wing] = self.species.blend;
+        let trunk = self.trunk_in_plumage(p, parts.trunk.distance);
         let mut d = smooth_min(trunk, parts.head.distance, 1.15 * k);
         if let Some(brow) = self.species.brow {
             let eye = self.species.joint("eye_L");

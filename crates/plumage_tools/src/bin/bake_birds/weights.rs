@@ -137,12 +137,18 @@ fn raw(body: &Body, skeleton: &Skeleton, names: &Names, n: usize, p: Vec3) -> Ve
 
     let core = parts.trunk.distance.min(parts.head.distance);
     legs(body, names, side, &parts.legs, core, q, &mut w);
+    let swollen = if s.swell_on_chest {
+        let trunk = body.trunk_in_plumage(q, parts.trunk.distance);
+        trunk.min(parts.head.distance)
+    } else {
+        core
+    };
     wing(
         body,
         names,
         side,
         parts.wing,
-        core,
+        swollen,
         parts.trunk.angle,
         q,
         &mut w,

@@ -125,6 +125,8 @@ pub fn species() -> Species {
         down: "../downs/eagle.down.ron",
         fine_head: true,
         swell_scale: 1.9,
+        swell_blend: 45.,
+        swell_on_chest: false,
         shoulder_reach: 55.,
         shoulder: Some(Shoulder {
             thickness: 1.6,

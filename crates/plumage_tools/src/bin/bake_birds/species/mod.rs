@@ -148,6 +148,10 @@ pub struct Species {
     pub fine_head: bool,
     /// Scale of the swell against the macaw's.
     pub swell_scale: f32,
+    /// Over which the swell runs out into the trunk, mm on the macaw.
+    pub swell_blend: f32,
+    /// The swell goes with the chest where the wing's skin reaches it, so that the breast stays smooth over the folded wrist.
+    pub swell_on_chest: bool,
     /// Distance over which the skin of the shoulder changes from chest to wing, mm.
     pub shoulder_reach: f32,
     /// Plumage over the folded arm.

@@ -125,6 +125,8 @@ pub fn species() -> Species {
         down: "../downs/owl.down.ron",
         fine_head: true,
         swell_scale: 0.874,
+        swell_blend: 45.,
+        swell_on_chest: false,
         shoulder_reach: 26.,
         shoulder: None,
         brow: None,
