@@ -27,7 +27,7 @@ impl Levels {
         let mut levels = Vec::new();
         loop {
             levels.push((width, height, texels.clone()));
-            if width <= 4 {
+            if width <= 2 {
                 return Self(levels);
             }
             let at = |x: usize, y: usize| texels[y * width + x];
@@ -153,11 +153,11 @@ fn the_map_is_the_outline() {
         "eagle_trouser",
         "eagle_primary",
     ] {
-        // Twice what a contour's tangents cost where they serve; on the smallest cards those are off by 0.05 to 0.16.
+        // A contour's tangents are off by 0.05 to 0.16 on the smallest of these, by 0.008 to 0.044 on the others.
         for (pixels, most) in [
-            ([6.0, 40.0], [0.03, 0.1]),
-            ([40.0, 150.0], [0.014, 0.062]),
-            ([150.0, 310.0], [0.011, 0.065]),
+            ([6.0, 40.0], [0.025, 0.08]),
+            ([40.0, 90.0], [0.016, 0.075]),
+            ([90.0, 140.0], [0.016, 0.08]),
         ] {
             let [rms, p99, _] = errors(name, pixels, 600);
             assert!(

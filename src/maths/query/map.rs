@@ -7,8 +7,8 @@ use crate::maths::functions::{Real, clamp, real};
 
 /// Texels of the map's first level, across and along the card.
 pub const MAP_SIZE: [u32; 2] = [64, 128];
-/// Last level of the map, 4 by 8 texels.
-pub const LAST_MAP_LEVEL: u32 = 4;
+/// Last level of the map, 2 by 4 texels.
+pub const LAST_MAP_LEVEL: u32 = 5;
 /// Texels of them beyond each edge of the card.
 pub const MAP_MARGIN: u32 = 4;
 /// Most looks for one footprint.

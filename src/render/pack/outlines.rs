@@ -11,7 +11,7 @@ use bevy::{
 };
 
 /// Shorter side of the smallest level.
-const LEAST_SIDE: u32 = 4;
+const LEAST_SIDE: u32 = 2;
 
 /// Whether two states of a feather have the same outline on their cards, but for the curve of the rachis.
 pub fn same_outline(a: &Feather, b: &Feather) -> bool {

@@ -5,7 +5,7 @@
 
 // Texels of the map's first level, across and along the card.
 const MAP_SIZE: vec2<f32> = vec2(64.0, 128.0);
-const LAST_MAP_LEVEL: f32 = 4.0;
+const LAST_MAP_LEVEL: f32 = 5.0;
 // Texels of them beyond each edge of the card.
 const MAP_MARGIN: f32 = 4.0;
 // Most looks for one footprint.
