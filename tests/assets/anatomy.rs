@@ -4,9 +4,6 @@ use bevy_plumage::anatomy::{
     Bars, Clumps, Contour, Feather, Gaps, Pattern, Rim, Side, Spline, Stop,
 };
 use bevy_plumage::asset::{AssetError, RonAsset};
-use bevy_plumage::maths::{Footprint, card};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64;
 
 fn primary() -> Feather {
     plumage_tests::shipped::feather("eagle_primary")
@@ -155,156 +152,6 @@ fn spline_meets_its_values_and_is_smooth() {
         assert!(spline.at(odd).0.is_finite());
     }
     assert_eq!(Spline::new(&[]).at(0.5), (0.0, 0.0));
-}
-
-#[test]
-fn map_and_its_jacobian() {
-    for name in ["macaw_primary", "eagle_rectrix", "down"] {
-        let map = plumage_tests::shipped::feather(name).map();
-        let h = 1e-6;
-        for i in 0..400 {
-            let uv = [
-                f64::from(i % 20) / 19.0,
-                0.01 + 0.98 * f64::from(i / 20) / 19.0,
-            ];
-            let back = map.uv(map.canonical(uv));
-            assert!((back[0] - uv[0]).abs() < 1e-12 && (back[1] - uv[1]).abs() < 1e-12);
-            let jacobian = map.jacobian(uv[1]);
-            for k in 0..2 {
-                let shifted = |d: f64| {
-                    let mut moved = uv;
-                    moved[k] += d;
-                    map.canonical(moved)
-                };
-                let (a, b) = (shifted(-h), shifted(h));
-                for row in 0..2 {
-                    let slope = (b[row] - a[row]) / (2.0 * h);
-                    approx::assert_abs_diff_eq!(jacobian[row][k], slope, epsilon = 1e-7);
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn footprint_is_half_a_pixel() {
-    // A straight rachis, 100 pixels up and 50 across a card twice as long as wide: the same pixel both ways.
-    let footprint = card::canonical_footprint([0.5, 0.5], [0.02, 0.0], [0.0, 0.01], 0.5, 0.0, 0.5);
-    assert_eq!(footprint.mean, [0.0, 0.5]);
-    let expected: f64 = 0.25e-4;
-    approx::assert_abs_diff_eq!(footprint.covariance[0], expected, epsilon = 1e-12);
-    approx::assert_abs_diff_eq!(footprint.covariance[1], 0.0, epsilon = 1e-12);
-    approx::assert_abs_diff_eq!(footprint.covariance[2], expected, epsilon = 1e-12);
-}
-
-/// Points of the footprint, drawn; cards turned on the screen, with the pixel's center on them or beside.
-#[test]
-fn the_card_has_its_share_of_a_footprint() {
-    let mut random = Pcg64::seed_from_u64(31);
-    let mut worst = 0.0_f64;
-    for _ in 0..300 {
-        let mut span = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
-        // Pixels across and along the card.
-        let sides = [span(1.0, 40.0), span(2.0, 80.0)];
-        let (sin, cos) = span(0.0, std::f64::consts::TAU).sin_cos();
-        let (dx, dy) = (
-            [cos / sides[0], -sin / sides[1]],
-            [sin / sides[0], cos / sides[1]],
-        );
-        let uv = [0, 1].map(|i| span(-0.5 / sides[i], 1.0 + 0.5 / sides[i]));
-        let count = 20_000;
-        let mut inside = 0;
-        for _ in 0..count {
-            // Box and Muller: standard deviation of half a pixel.
-            let (radius, angle) = (
-                (-2.0 * span(1e-12, 1.0).ln()).sqrt(),
-                span(0.0, std::f64::consts::TAU),
-            );
-            let (x, y) = (0.5 * radius * angle.cos(), 0.5 * radius * angle.sin());
-            let on = |i: usize| (0.0..1.0).contains(&(uv[i] + x * dx[i] + y * dy[i]));
-            inside += usize::from(on(0) && on(1));
-        }
-        let share = card::card_share(uv, dx, dy);
-        worst = worst.max((share - inside as f64 / f64::from(count)).abs());
-    }
-    assert!(worst < 0.02, "{worst}");
-}
-
-#[test]
-fn coverage_of_a_part_is_of_the_part_and_no_more_than_all_of_it() {
-    // Half of the footprint on the card, full there.
-    assert_eq!(
-        card::on_card([0.1, 0.2, 0.1, 0.1], 0.5),
-        [0.2, 0.4, 0.2, 0.2]
-    );
-    let full: [f64; 4] = card::on_card([0.3, 0.2, 0.2, 0.1], 0.5);
-    approx::assert_abs_diff_eq!(full.iter().sum::<f64>(), 1.0, epsilon = 1e-12);
-    assert_eq!(card::on_card([0.0; 4], 0.02), [0.0; 4]);
-}
-
-/// The integral of the indicator of the half plane over the Gaussian, summed on a fine grid.
-fn half_plane_by_sum(mean: [f64; 2], cov: [f64; 3], inside: impl Fn(f64, f64) -> bool) -> f64 {
-    let a = cov[0].sqrt();
-    let b = cov[1] / a;
-    let c = (cov[2] - b * b).max(0.0).sqrt();
-    let (mut sum, mut total, n) = (0.0, 0.0, 200);
-    for i in 0..n {
-        for j in 0..n {
-            let p = (f64::from(i) + 0.5) / f64::from(n) * 10.0 - 5.0;
-            let q = (f64::from(j) + 0.5) / f64::from(n) * 10.0 - 5.0;
-            let weight = (-0.5 * (p * p + q * q)).exp();
-            total += weight;
-            if inside(mean[0] + a * p, mean[1] + b * p + c * q) {
-                sum += weight;
-            }
-        }
-    }
-    sum / total
-}
-
-#[test]
-fn contour_coverage_against_a_sum() {
-    // A straight outline makes the half plane exact.
-    let (reach_at_start, slope, angle) = (0.08, -0.05, 35f64.to_radians());
-    let cot = 1.0 / angle.tan();
-    let reach = |root: f64| reach_at_start + slope * root;
-    for side in [-1.0, 1.0] {
-        for (i, cov) in [[1e-4, 0.0, 1e-4], [2e-4, 1.2e-4, 1e-4], [1e-5, -2e-5, 2e-4]]
-            .into_iter()
-            .enumerate()
-        {
-            for k in 0..7 {
-                let mean = [side * (0.03 + 0.012 * f64::from(k)), 0.4];
-                let footprint = Footprint {
-                    mean,
-                    covariance: cov,
-                };
-                let there = reach(card::barb_root(mean, cot));
-                let got = card::contour_coverage(&footprint, there, slope, cot);
-                let want =
-                    half_plane_by_sum(mean, cov, |x, y| side * x < reach(y - side * x * cot));
-                assert!(
-                    (got - want).abs() < 6e-3,
-                    "side {side} cov {i} k {k}: {got} against {want}"
-                );
-                let got = card::vane_start_coverage(&footprint, 0.33, cot);
-                let want = half_plane_by_sum(mean, cov, |x, y| y - side * x * cot > 0.33);
-                assert!(
-                    (got - want).abs() < 6e-3,
-                    "start, side {side} cov {i} k {k}: {got} against {want}"
-                );
-            }
-        }
-    }
-    for odd in [0.0f32, -0.0, 1e30, -1e30] {
-        let point = Footprint {
-            mean: [odd, 0.5],
-            covariance: [0.0; 3],
-        };
-        let cotangent = card::barb_cotangent(0.0, 1.0);
-        let coverage = card::contour_coverage(&point, 0.1, 3.0, cotangent);
-        assert!((0.0..=1.0).contains(&coverage), "{odd}: {coverage}");
-    }
 }
 
 #[test]
@@ -474,19 +321,6 @@ fn shape_table_follows_the_feather() {
         let slope = (table.contour[i + 1][1] - table.contour[i - 1][1]) / (2.0 * step);
         approx::assert_abs_diff_eq!(table.contour[i][3], slope, epsilon = 1e-4);
     }
-}
-
-#[test]
-fn hooks_end_at_the_rim_and_in_the_down() {
-    let at = |share: f64, root: f64| card::hooked(share * 0.1, root, 0.1, 0.3, 0.4);
-    assert_eq!(at(0.5, 0.8), 1.0);
-    assert_eq!(at(0.95, 0.8), 0.0);
-    assert_eq!(at(0.5, 0.2), 0.0);
-    approx::assert_abs_diff_eq!(at(0.7, 0.8), 0.5, epsilon = 1e-9);
-    approx::assert_abs_diff_eq!(at(0.2, 0.4), 0.5, epsilon = 1e-9);
-    assert_eq!(card::hooked(0.1, 0.0, 0.1, 0.0, 0.0), 1.0);
-    assert_eq!(card::barbule_factor(1.0), 1.0);
-    assert_eq!(card::barbule_factor(0.0), card::LOOSE_BARBULES);
 }
 
 fn stop(v: f32, color: [f32; 3], tint: f32) -> Stop {

@@ -3,6 +3,7 @@
 //! Every variant of every shader that a camera or a quality can ask for is composed and validated.
 
 mod anatomy;
+mod card;
 mod card_gpu;
 mod downs;
 mod feathers;

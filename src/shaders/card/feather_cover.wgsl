@@ -75,9 +75,16 @@ fn outline_share(base: u32, right: bool, footprint: Footprint, cotangent: f32, s
     return nodes.y / max(nodes.x, 1e-9);
 }
 
-// Share of the fragment inside the outline of both vanes, from its map; -1 where that would show its texels.
+// Share of the fragment inside the outline of both vanes, from its map; -1 where that would show its texels, and for methods for
+// comparison, which ask the outline.
 fn mapped_share(in: FeatherVertex, sight: MapSight) -> f32 {
-    if (!sight.serves) {
+    var serves = sight.serves;
+#ifdef PUBLISHED_COVERAGE
+    serves = false;
+#else ifdef SUPERSAMPLED_COVERAGE
+    serves = false;
+#endif
+    if (!serves) {
         return -1.0;
     }
     let layer = data::card_feather(in.card.x);
@@ -218,8 +225,9 @@ fn cover_parts(
     var vanes = mapped;
     if (mapped >= 0.0) {
         let beside = beside_rachis(edges, footprint);
-        let shares = map_vanes(mapped, clamp(1.0 - beside.x - beside.y, 0.0, 1.0), beside);
-        vanes = min((shares.x + shares.y) / max(beside.x + beside.y, 1e-6), 1.0);
+        let both = max(beside.x + beside.y, 1e-6);
+        // As map_vanes: the rachis hides the rest.
+        vanes = clamp((mapped - max(1.0 - both, 0.0)) / both, 0.0, 1.0);
     }
     let main = footprint.mean.x > 0.5 * (edges.x + edges.y);
     // In a loop, or the shader holds the vane twice; that of which more is asked comes last.
@@ -259,13 +267,7 @@ fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u3
     let dy = dpdy(in.uv);
     let seen = canonical_footprint(in.uv, dx, dy, rachis.x, rachis.y, shape.x);
     let edges = mask_rachis(rachis.z, frame.local_eye);
-#ifdef PUBLISHED_COVERAGE
-    let mapped = -1.0;
-#else ifdef SUPERSAMPLED_COVERAGE
-    let mapped = -1.0;
-#else
     let mapped = mapped_share(in, map_sight(dx, dy));
-#endif
     var covered: Covered;
 #ifdef ONLY_MEAN
     covered = cover_means(in, base, shape, frame, mapped, seen, edges);
