@@ -1,7 +1,8 @@
 //! The checked-in feathers, and what the reader makes of damaged bytes.
 
-use bevy_plumage::anatomy::Feather;
+use bevy_plumage::anatomy::{Feather, Side};
 use bevy_plumage::asset::{AssetError, RonAsset};
+use bevy_plumage::maths::query::{mask_vane, mean_coverage};
 use proptest::prelude::*;
 use std::fs;
 
@@ -33,6 +34,53 @@ fn every_file_is_known_and_written_as_it_is_read() {
         })
         .count();
     assert_eq!(files, plumage_tests::shipped::FEATHERS.len());
+}
+
+/// Half open vanes of belly, flanks and legs, down, bristles, and feathers of a facial disc.
+const OPEN: [&str; 16] = [
+    "macaw_soft",
+    "macaw_leg",
+    "macaw_semiplume",
+    "eagle_soft",
+    "eagle_semiplume",
+    "eagle_trouser",
+    "eagle_tarsal",
+    "semiplume",
+    "down",
+    "filoplume",
+    "owl_disc",
+    "owl_soft",
+    "owl_semiplume",
+    "owl_leg",
+    "owl_tarsal",
+    "peacock_eye",
+];
+
+/// Three families of fibres that know nothing of each other leave the product of their gaps open.
+#[test]
+fn vanes_close() {
+    for feather in plumage_tests::shipped::feathers() {
+        for side in [Side::Left, Side::Right] {
+            let vane = feather.vane(side);
+            let pitch = 1e3 * feather.length_mm / vane.barb_count
+                * vane.barb_angle.to_radians().sin();
+            let period = vane.barbules.spacing_um * vane.barbules.angle.to_radians().sin();
+            let gap = |radius: f32, period: f32| (1.0 - 2.0 * radius / period).max(0.0);
+            let open = gap(vane.barb_radius_um, pitch)
+                * gap(vane.barbules.distal_radius_um, period)
+                * gap(vane.barbules.proximal_radius_um, period);
+            let cell = mask_vane(&feather.query_vane::<f32>(side), [0.0, 0.0, 1.0]);
+            let covered: f32 = mean_coverage(&cell).iter().sum();
+            assert!(
+                (covered - (1.0 - open)).abs() < 2e-3,
+                "{}: {covered}, {open} open",
+                feather.name
+            );
+            if !OPEN.contains(&feather.name.as_str()) {
+                assert!(covered >= 0.95, "{}: covers {covered}", feather.name);
+            }
+        }
+    }
 }
 
 #[test]

@@ -24,7 +24,7 @@ const REMEX: Micro = Micro {
     ramus: 50.0,
     spacing: [26.0, 34.0],
     barbule_angle: [45.0, 35.0],
-    radius: [5.0, 4.5],
+    radius: [8.0, 7.5],
     shaft: [3.0, 1.1, 0.2],
     downy: 0.05,
 };

@@ -15,13 +15,17 @@ const DARK: u32 = 0x3A302A;
 /// Bars of remiges and tail.
 const BAR: u32 = 0x7A6450;
 
+/// Barbule radii of a vane under velvet: barbules lie further apart than a hawk's and are twice as long, so that each passes over more of
+/// its neighbors.
+const VELVET: [f32; 2] = [10.5, 10.0];
+
 const HEAD: Micro = Micro {
     pitch: [0.35; 2],
     angle: [30.0; 2],
     ramus: 18.0,
     spacing: [31.0, 44.0],
     barbule_angle: [36.0, 34.0],
-    radius: super::template::SOFT,
+    radius: VELVET,
     shaft: [0.35, 0.2, 0.04],
     downy: 0.5,
 };
@@ -32,7 +36,7 @@ const OPEN: Micro = Micro {
     ramus: 24.0,
     spacing: [45.0, 60.0],
     barbule_angle: [18.0; 2],
-    radius: super::template::SOFT,
+    radius: [5.0, 5.0],
     shaft: [0.45, 0.3, 0.08],
     downy: 0.2,
 };
@@ -53,7 +57,7 @@ const BODY: Micro = Micro {
     ramus: 28.0,
     spacing: [32.0, 46.0],
     barbule_angle: [40.0, 36.0],
-    radius: super::template::SOFT,
+    radius: VELVET,
     shaft: [0.8, 0.45, 0.07],
     downy: 0.55,
 };
@@ -64,7 +68,7 @@ const REMEX: Micro = Micro {
     ramus: 60.0,
     spacing: [34.0, 46.5],
     barbule_angle: [45.0, 35.0],
-    radius: HOOKED,
+    radius: VELVET,
     shaft: [3.4, 1.2, 0.25],
     downy: 0.06,
 };
@@ -250,6 +254,7 @@ pub(super) fn all() -> Vec<Template> {
                 angle: [43.0; 2],
                 ramus: 24.0,
                 shaft: [0.6, 0.3, 0.05],
+                radius: super::template::SOFT,
                 downy: 0.62,
                 ..BODY
             },
@@ -314,7 +319,6 @@ pub(super) fn all() -> Vec<Template> {
                 angle: [26.0, 35.0],
                 ramus: 42.0,
                 barbule_angle: [42.0, 35.0],
-                radius: HOOKED,
                 shaft: [1.5, 0.7, 0.12],
                 downy: 0.22,
                 ..BODY
@@ -371,6 +375,7 @@ pub(super) fn all() -> Vec<Template> {
                 pitch: [0.6; 2],
                 angle: [40.0; 2],
                 ramus: 24.0,
+                radius: super::template::SOFT,
                 shaft: [0.5, 0.25, 0.05],
                 downy: 0.6,
                 ..BODY
@@ -388,6 +393,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: Micro {
                 pitch: [0.5; 2],
                 ramus: 20.0,
+                radius: super::template::SOFT,
                 shaft: [0.35, 0.18, 0.04],
                 downy: 0.5,
                 ..BODY

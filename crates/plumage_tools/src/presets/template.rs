@@ -64,7 +64,7 @@ pub(super) struct Micro {
     pub spacing: [f32; 2],
     /// Distal and proximal barbule angle, degrees.
     pub barbule_angle: [f32; 2],
-    /// Barbule radii, micrometres: half the width of the base lamella (8-12) where hooked, of a thread (4) in down.
+    /// Barbule radii, micrometres: half of what a barbule covers of the vane, head on.
     pub radius: [f32; 2],
     /// Rachis diameter at base, middle, tip, mm.
     pub shaft: [f32; 3],
@@ -72,11 +72,12 @@ pub(super) struct Micro {
     pub downy: f32,
 }
 
-/// Barbule radii of a closed vane.
-pub(super) const HOOKED: [f32; 2] = [6.0, 5.5];
+/// Barbule radii of a closed vane. The lamella of a barbule's base, 18 to 25 high and 8 to 12 thick, stands obliquely, as a slat does: it
+/// covers nearly as much as it is high, and a distal barbule hooks over several proximal ones.
+pub(super) const HOOKED: [f32; 2] = [9.5, 9.0];
 /// Barbule radii of soft, half open vanes.
-pub(super) const SOFT: [f32; 2] = [5.0, 5.0];
-/// Barbule radii of down.
+pub(super) const SOFT: [f32; 2] = [7.0, 7.0];
+/// Barbule radii of down: threads.
 pub(super) const THREAD: [f32; 2] = [2.2, 2.2];
 
 /// One preset.
