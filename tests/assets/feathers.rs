@@ -62,8 +62,8 @@ fn vanes_close() {
     for feather in plumage_tests::shipped::feathers() {
         for side in [Side::Left, Side::Right] {
             let vane = feather.vane(side);
-            let pitch = 1e3 * feather.length_mm / vane.barb_count
-                * vane.barb_angle.to_radians().sin();
+            let pitch =
+                1e3 * feather.length_mm / vane.barb_count * vane.barb_angle.to_radians().sin();
             let period = vane.barbules.spacing_um * vane.barbules.angle.to_radians().sin();
             let gap = |radius: f32, period: f32| (1.0 - 2.0 * radius / period).max(0.0);
             let open = gap(vane.barb_radius_um, pitch)

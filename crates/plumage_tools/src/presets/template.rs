@@ -151,7 +151,9 @@ impl Template {
         let spacing = (micro.spacing[0] + micro.spacing[1]) / 2.0;
         let angle = (micro.barbule_angle[0] + micro.barbule_angle[1]) / 2.0;
         let period = spacing * angle.to_radians().sin();
-        let [distal, proximal] = micro.cover.map(|share| (50.0 * share * period).round() / 100.0);
+        let [distal, proximal] = micro
+            .cover
+            .map(|share| (50.0 * share * period).round() / 100.0);
 
         let vane = |i: usize| Vane {
             barb_count: (self.length_mm / micro.pitch[i]).round().clamp(4.0, 5000.0),
