@@ -47,7 +47,7 @@ fn the_plugin_shows_what_explicit_curves_show() {
                 (d.of_range() < 0.06 || (distance, light) == KNOWN_GAP) && d.bias.abs() < bias,
                 "{distance}, {light}, traced shadows: {d:?}"
             );
-            let truth = references(&feather, &curves, &view, CurveOptions::default(), 5);
+            let truth = references(&feather, &curves, &view, CurveOptions::default(), 11);
             let d = Difference::of(&shown, &truth);
             println!(
                 "{distance}, light {light}: RMSE {:.2} % of the mean, {:.2} % of the range, bias {:+.2} %",

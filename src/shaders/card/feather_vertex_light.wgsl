@@ -20,7 +20,7 @@
 // Directional lights that are followed.
 const VERTEX_LIGHTS: u32 = 2u;
 // What a response is divided by is the painted color and this, so that black feathers divide by something.
-const LEAST_PAINT: f32 = 0.02;
+const LEAST_PAINT: f32 = 0.004;
 // Levels of the albedo below the smallest one: a vertex takes the color around it.
 const AROUND: u32 = 3u;
 // Share of the card's width by which the shaft may lie beside its middle, so that a vane ends where the vertices of the middle are.
@@ -192,14 +192,14 @@ fn vane_response(
             lit[1][c] += weight * own.y;
         }
     }
-    let per_paint = 1.0 / (albedo + LEAST_PAINT);
+    let per_paint = 1.0 / paint_over(albedo);
     return VaneResponse(
         vec4((lit[0].rgb - lit[0].w) * per_paint, lit[0].w),
         vec4((lit[1].rgb - lit[1].w) * per_paint, lit[1].w),
         ahead.rgb * per_paint,
         beyond.rgb * per_paint,
         mirrored,
-        shaft / (dot(albedo, vec3(1.0)) + 3.0 * LEAST_PAINT),
+        shaft / dot(paint_over(albedo), vec3(1.0)),
     );
 }
 

@@ -135,8 +135,10 @@ pub(super) fn all() -> Vec<Template> {
     let lesser_micro = Micro {
         pitch: [0.38; 2],
         angle: [38.0; 2],
+        // A little more open than the others: so far the light that comes through it from behind is right from afar.
+        cover: [0.742; 2],
         shaft: [0.6, 0.35, 0.08],
-        downy: 0.45,
+        downy: 0.44,
         ..CONTOUR
     };
     vec![
