@@ -348,8 +348,8 @@ impl Default for Barbules {
         Self {
             spacing_um: 34.0,
             angle: 38.0,
-            distal_radius_um: 9.5,
-            proximal_radius_um: 9.0,
+            distal_radius_um: 8.3,
+            proximal_radius_um: 8.2,
         }
     }
 }

@@ -62,8 +62,8 @@ fn vanes_close() {
     for feather in plumage_tests::shipped::feathers() {
         for side in [Side::Left, Side::Right] {
             let vane = feather.vane(side);
-            let pitch = 1e3 * feather.length_mm / vane.barb_count
-                * vane.barb_angle.to_radians().sin();
+            let pitch =
+                1e3 * feather.length_mm / vane.barb_count * vane.barb_angle.to_radians().sin();
             let period = vane.barbules.spacing_um * vane.barbules.angle.to_radians().sin();
             let gap = |radius: f32, period: f32| (1.0 - 2.0 * radius / period).max(0.0);
             let open = gap(vane.barb_radius_um, pitch)
@@ -72,7 +72,7 @@ fn vanes_close() {
             let cell = mask_vane(&feather.query_vane::<f32>(side), [0.0, 0.0, 1.0]);
             let covered: f32 = mean_coverage(&cell).iter().sum();
             assert!(
-                (covered - (1.0 - open)).abs() < 2e-3,
+                (covered - (1.0 - open)).abs() < 5e-3,
                 "{}: {covered}, {open} open",
                 feather.name
             );

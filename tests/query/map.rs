@@ -3,7 +3,7 @@
 use bevy_plumage::anatomy::{CONTOUR_ROWS, Feather, RACHIS_ROWS, ShapeTable, Side};
 use bevy_plumage::maths::query::{
     CardVane, Component, ErrorBudget, MAP_SIZE, Vane, map_place, map_share, map_sight, map_vanes,
-    mean_vane,
+    mean_stop, mean_vane,
 };
 use plumage_tests::{
     geometry::dense_shares,
@@ -242,7 +242,7 @@ fn the_shader_looks_where_the_processor_does() {
 #[test]
 fn the_shader_averages_a_vane_as_the_processor_does() {
     let text = "#import bevy_plumage::masking::{Vane, vane_shape}
-        #import bevy_plumage::query_feather::{CardVane, mean_vane}
+        #import bevy_plumage::query_feather::{CardVane, mean_stop, mean_vane}
         fn evaluate(i: u32) {
             let a = 18u * i;
             let vane = Vane(input[a], input[a + 1u], input[a + 2u], input[a + 3u], input[a + 4u], input[a + 5u], input[a + 6u],
@@ -254,10 +254,12 @@ fn the_shader_averages_a_vane_as_the_processor_does() {
             output[4u * i + 1u] = found.weights.y;
             output[4u * i + 2u] = found.weights.z;
             output[4u * i + 3u] = found.hook;
+            output[8000u + i] = mean_stop(card, vec2(input[a + 11u], input[a + 12u]), input[a + 13u], input[a + 14u], view);
         }";
     let mut random = Pcg64Mcg::seed_from_u64(73);
     let mut input = Vec::new();
     let mut wanted = Vec::new();
+    let mut stops = Vec::new();
     let budget = ErrorBudget::<f32>::default();
     for _ in 0..2000 {
         let mut between = |a: f64, b: f64| between(&mut random, a, b) as f32;
@@ -296,11 +298,16 @@ fn the_shader_averages_a_vane_as_the_processor_does() {
         ]);
         let view = [x / length, y / length, z / length];
         wanted.push(mean_vane(&card, mean, reach, share, view, &budget));
+        stops.push(mean_stop(&card, mean, reach, share, view));
     }
-    let Some(result) = gpu::run(&["query_feather.wgsl"], text, &input, 2000, 4 * 2000) else {
+    let Some(result) = gpu::run(&["query_feather.wgsl"], text, &input, 2000, 5 * 2000) else {
         return;
     };
-    for (i, (a, b)) in wanted.iter().zip(result.chunks(4)).enumerate() {
+    let (parts, sums) = result.split_at(4 * 2000);
+    for (i, (a, b)) in stops.iter().zip(sums).enumerate() {
+        assert!((a - b).abs() <= 2e-4, "{i}: {a} {b}");
+    }
+    for (i, (a, b)) in wanted.iter().zip(parts.chunks(4)).enumerate() {
         for (a, b) in a.iter().zip(b) {
             assert!((a - b).abs() <= 2e-4, "{i}: {a} {b}");
         }

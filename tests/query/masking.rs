@@ -1,6 +1,9 @@
 //! Masking against rays cast at real cylinders.
 
-use bevy_plumage::maths::query::{Vane, mask_strip, mask_vane, mean_coverage};
+use bevy_plumage::anatomy::Side;
+use bevy_plumage::maths::query::{
+    Vane, mask_strip, mask_vane, mean_coverage, storeys, vane_shape, vane_stop,
+};
 
 /// Whether the ray from the eye direction `view` to the surface point `x` along `r` (the fibre's bitangent; the third
 /// component of `view` is the normal's, the second the fibre's own) meets one of the upper half cylinders with the given axes.
@@ -261,6 +264,30 @@ fn every_view_is_finite() {
             }
         }
     }
+}
+
+/// How the families of a vane lie to each other matters little for what all of them stop.
+#[test]
+fn families_that_know_nothing_of_each_other_stop_as_much() {
+    let mut largest = 0.0f64;
+    for feather in plumage_tests::shipped::feathers() {
+        for (side, loose) in [(Side::Left, 1.0), (Side::Right, 1.0), (Side::Left, 0.35)] {
+            let vane = Vane {
+                hooked: loose,
+                ..feather.query_vane::<f64>(side)
+            };
+            let shape = vane_shape(&vane);
+            for view in views() {
+                for view in [view, view.map(|x| -x)] {
+                    let stopped = vane_stop(&shape, &storeys(&shape, view));
+                    let covered: f64 = mean_coverage(&mask_vane(&vane, view)).iter().sum();
+                    largest = largest.max((stopped - covered).abs());
+                }
+            }
+        }
+    }
+    println!("off by at most {largest:.4}");
+    assert!(largest < 0.01, "{largest}");
 }
 
 #[test]

@@ -6,7 +6,7 @@
 use super::{
     choose::{ErrorBudget, Lod},
     coverage::{Coverage, vane_coverage},
-    masking::{mask_rachis, mask_vane},
+    masking::{mask_rachis, mask_vane, storeys, vane_shape, vane_stop},
     split::{
         averages, line_parts, line_share, outline_line, outline_share, rachis_line, rachis_share,
         split_line,
@@ -178,6 +178,15 @@ pub fn mean_vane<T: Real>(
     let [barb, distal, proximal] = vane_coverage(&cell, &vane, &nowhere, Lod::Mean, budget);
     let part = |w: T| share * w.max(zero);
     [part(barb), part(distal), part(proximal), vane.hooked]
+}
+
+/// All that such a vane covers of a footprint, where nobody asks which fibres do ([`vane_stop`]). `view`: unit.
+pub fn mean_stop<T: Real>(card: &CardVane<T>, mean: [T; 2], reach: T, share: T, view: [T; 3]) -> T {
+    let mut vane = card.vane;
+    let [x, y] = mean;
+    vane.hooked = barbule_factor(hooked(x.abs(), y, reach, card.fringe, card.downy));
+    let shape = vane_shape(&vane);
+    share.max(T::zero()) * vane_stop(&shape, &storeys(&shape, view))
 }
 
 /// Share of a footprint at height `v` that the rachis hides, which ends where the card does.

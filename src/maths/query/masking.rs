@@ -235,6 +235,15 @@ pub fn barb_strip<T: Real>(shape: &VaneShape<T>, storeys: &Storeys<T>) -> BarbSt
     }
 }
 
+/// Share of what comes along a direction that a vane stops, 0..1, its families taken to know nothing of each other: within 0.01 of the sum
+/// of [`mean_coverage`](super::mean_coverage), which knows how they lie. What barbules hide of barbs they stop themselves.
+pub fn vane_stop<T: Real>(shape: &VaneShape<T>, storeys: &Storeys<T>) -> T {
+    let (zero, one, two) = (T::zero(), T::one(), T::of(2.0));
+    let [upper, lower] = storeys.layers;
+    let gap = (one - two * storeys.silhouette * shape.per_barb).max(zero);
+    one - gap * (one - upper.wide).max(zero) * (one - lower.wide).max(zero)
+}
+
 /// The pattern of the left vane seen along `view`, the vector towards the eye in the canonical frame (x, y, front normal), of
 /// any length. Finite for every view: at grazing angles the families close up to full coverage.
 pub fn mask_vane<T: Real>(vane: &Vane<T>, view: [T; 3]) -> Cell<T> {

@@ -46,7 +46,9 @@ pub mod vane;
 
 pub use choose::{Choice, ErrorBudget, Evaluator, Lod, Quality, choose, classify_bounds};
 pub use coverage::{Coverage, cell_coverage, vane_coverage};
-pub use feather::{CardFeather, CardVane, Outline, cover, cover_vane, feather_coverage, mean_vane};
+pub use feather::{
+    CardFeather, CardVane, Outline, cover, cover_vane, feather_coverage, mean_stop, mean_vane,
+};
 pub use lattice::{MAX_COLUMNS, MAX_ROWS, lattice_coverage};
 pub use map::{
     LAST_MAP_LEVEL, MAP_MARGIN, MAP_SIZE, MAX_MAP_LOOKS, MapSight, map_border, map_place,
@@ -54,7 +56,7 @@ pub use map::{
 };
 pub use masking::{
     BarbStrip, Family, Storey, Storeys, VaneShape, barb_hidden, barb_strip, mask_rachis,
-    mask_strip, mask_vane, storeys, vane_shape,
+    mask_strip, mask_vane, storeys, vane_shape, vane_stop,
 };
 pub use mean::mean_coverage;
 pub use near::{MAX_CELLS, MAX_GAPS, near_counted, near_coverage};

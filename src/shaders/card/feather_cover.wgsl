@@ -11,7 +11,7 @@
     footprint::{Footprint, mirrored, widened},
     masking::mask_rachis,
     math::smooth_step,
-    query_feather::{CardVane, LEAST_SHARE, Outline, VaneCover, cover_feather, cover_rachis, cover_vane, mean_vane, shows_vane},
+    query_feather::{CardVane, LEAST_SHARE, Outline, VaneCover, cover_feather, cover_rachis, cover_vane, mean_stop, mean_vane, shows_vane},
     query_map::{MAP_SIZE, MapSight, map_border, map_place, map_sight, map_vanes},
     query_split::{Line, line_share, outline_node, outline_root, outline_sight, rachis_line},
 }
@@ -162,7 +162,13 @@ fn cover_means(
         let mean = footprint.mean * vec2(mirror, 1.0);
         let root = barb_root(mean, barb_cotangent(card.shape.vane.sin_b, card.shape.vane.cos_b));
         let reach = contour_at(base, shape.z, root);
-        vane = mean_vane(card, mean, select(reach.x, reach.y, right), share, frame.local_eye * vec3(mirror, 1.0, 1.0));
+        let eye = frame.local_eye * vec3(mirror, 1.0, 1.0);
+#ifdef ONLY_LIT
+        // The vertices know which fibres the light comes from.
+        vane.weights.x = mean_stop(card, mean, select(reach.x, reach.y, right), share, eye);
+#else
+        vane = mean_vane(card, mean, select(reach.x, reach.y, right), share, eye);
+#endif
     }
     return Covered(cover_feather(hides, other, vane.weights), main, vane.hook, vane.open, footprint);
 }

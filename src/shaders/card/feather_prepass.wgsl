@@ -15,8 +15,7 @@
     feather_opacity::{is_left_out, leaves_hole},
     feather_pattern::pattern_threshold,
     feather_place::{is_light, place},
-    masking::{barb_strip, seen_cell, storeys},
-    query_far::mean_coverage,
+    masking::{storeys, vane_stop},
 }
 #ifdef SAMPLE_COVERAGE
 #import bevy_plumage::feather_opacity::sample_bits
@@ -58,18 +57,16 @@ fn shadow_opacity(in: FeatherVertex, base: u32, shape: vec4<f32>) -> f32 {
     let right = footprint.mean.x > 0.0;
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
     let last = feather_at(slot + 2u);
-    let vane = shape_at(slot);
+    var vane = shape_at(slot);
     let cotangent = barb_cotangent(vane.vane.sin_b, vane.vane.cos_b);
     let contour = contour_at(base, shape.z, barb_root(footprint.mean, cotangent));
     let reach = select(contour.xz, contour.yw, right);
     // The light sees the vane at its own angle.
     let light = frame_of(in).local_eye * vec3(select(1.0, -1.0, right), 1.0, 1.0);
-    let seen = storeys(vane, light);
-    let covered = mean_coverage(seen_cell(vane, seen, barb_strip(vane, seen), light.z >= 0.0));
-    let hook = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
+    vane.vane.hooked = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
     // Of the part on the card: the rasterizer leaves out the rest.
     let inside = contour_coverage(footprint, reach.x, reach.y, cotangent) * vane_start_coverage(footprint, shape.z, cotangent);
-    return min(inside / card_share(in.uv, dx, dy), 1.0) * (covered.x + (covered.y + covered.z) * hook);
+    return min(inside / card_share(in.uv, dx, dy), 1.0) * vane_stop(vane, storeys(vane, light));
 }
 
 // Whether the fragment is no part of the silhouette; its samples otherwise.

@@ -172,6 +172,13 @@ fn barb_strip(shape: VaneShape, s: Storeys) -> vec3<f32> {
     return vec3(width, share, min(second / max(rest * (1.0 - share), 1e-9), 1.0));
 }
 
+// Share of what comes along a direction that a vane stops, its families taken to know nothing of each other. What barbules hide of barbs
+// they stop themselves.
+fn vane_stop(shape: VaneShape, s: Storeys) -> f32 {
+    let gap = max(1.0 - 2.0 * s.silhouette * shape.per_barb, 0.0);
+    return 1.0 - gap * max(1.0 - s.first.wide, 0.0) * max(1.0 - s.second.wide, 0.0);
+}
+
 // The pattern of the left vane seen along `view`: towards the eye, canonical frame (x, y, front normal), any length.
 // For the right vane mirror the view (flip x) and the footprint.
 fn mask_vane(vane: Vane, view: vec3<f32>) -> Cell {

@@ -5,7 +5,7 @@
 #import bevy_plumage::anatomy::{barb_cotangent, barbule_factor, hooked, vane_start_coverage}
 #import bevy_plumage::coverage_method::{part_coverage, resolves_parts}
 #import bevy_plumage::footprint::{Footprint}
-#import bevy_plumage::masking::{VaneShape, barb_strip, seen_cell, storeys}
+#import bevy_plumage::masking::{VaneShape, barb_strip, seen_cell, storeys, vane_stop}
 #import bevy_plumage::math::{smooth_step}
 #import bevy_plumage::query::{LOD_MEAN, vane_coverage}
 #import bevy_plumage::query_split::{line_part, line_rest, line_share, outline_line, rachis_line, rachis_share, split_line}
@@ -135,6 +135,13 @@ fn mean_vane(card: CardVane, mean: vec2<f32>, reach: f32, share: f32, view: vec3
         found.weights = share * max(vane_coverage(cell, shape.vane, nowhere, LOD_MEAN, 0.0), vec3(0.0));
     }
     return found;
+}
+
+// All that such a vane covers of a footprint, where nobody asks which fibres do.
+fn mean_stop(card: CardVane, mean: vec2<f32>, reach: f32, share: f32, view: vec3<f32>) -> f32 {
+    var shape = card.shape;
+    shape.vane.hooked = barbule_factor(hooked(abs(mean.x), mean.y, reach, card.fringe, card.downy));
+    return max(share, 0.0) * vane_stop(shape, storeys(shape, view));
 }
 
 // Share of a footprint at height `v` that the rachis hides, which ends where the card does.

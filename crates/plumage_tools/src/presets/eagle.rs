@@ -24,7 +24,7 @@ const HEAD: Micro = Micro {
     ramus: 20.0,
     spacing: [30.0, 40.0],
     barbule_angle: [38.0, 35.0],
-    radius: HOOKED,
+    cover: HOOKED,
     shaft: [0.4, 0.22, 0.05],
     downy: 0.50,
 };
@@ -34,7 +34,7 @@ const CONTOUR: Micro = Micro {
     ramus: 35.0,
     spacing: [29.0, 42.0],
     barbule_angle: [40.0, 35.0],
-    radius: HOOKED,
+    cover: HOOKED,
     shaft: [1.3, 0.75, 0.12],
     downy: 0.48,
 };
@@ -44,7 +44,7 @@ const SOFT_MICRO: Micro = Micro {
     ramus: 28.0,
     spacing: [32.0, 44.0],
     barbule_angle: [45.0; 2],
-    radius: super::template::SOFT,
+    cover: super::template::SOFT,
     shaft: [0.8, 0.4, 0.06],
     downy: 0.62,
 };
@@ -54,7 +54,7 @@ const PRIMARY: Micro = Micro {
     ramus: 80.0,
     spacing: [29.0, 44.0],
     barbule_angle: [45.0, 35.0],
-    radius: HOOKED,
+    cover: HOOKED,
     shaft: [6.8, 2.3, 0.4],
     downy: 0.04,
 };
@@ -281,7 +281,7 @@ pub(super) fn all() -> Vec<Template> {
                 ramus: 20.0,
                 spacing: [25.0; 2],
                 barbule_angle: [60.0; 2],
-                radius: THREAD,
+                cover: THREAD,
                 shaft: [0.5, 0.25, 0.04],
                 downy: 0.95,
             },

@@ -13,7 +13,7 @@ const CONTOUR: Micro = Micro {
     ramus: 30.0,
     spacing: [30.0, 38.0],
     barbule_angle: [40.0, 36.0],
-    radius: HOOKED,
+    cover: HOOKED,
     shaft: [0.8, 0.45, 0.08],
     downy: 0.48,
 };
@@ -24,7 +24,7 @@ const REMEX: Micro = Micro {
     ramus: 50.0,
     spacing: [26.0, 34.0],
     barbule_angle: [45.0, 35.0],
-    radius: [8.0, 7.5],
+    cover: HOOKED,
     shaft: [3.0, 1.1, 0.2],
     downy: 0.05,
 };
@@ -34,7 +34,7 @@ const PLUMULE: Micro = Micro {
     ramus: 16.0,
     spacing: [25.0; 2],
     barbule_angle: [60.0; 2],
-    radius: THREAD,
+    cover: THREAD,
     shaft: [0.35, 0.16, 0.02],
     downy: 1.0,
 };

@@ -22,7 +22,7 @@ const HEAD: Micro = Micro {
     ramus: 18.0,
     spacing: [30.0, 38.0],
     barbule_angle: [38.0, 35.0],
-    radius: HOOKED,
+    cover: HOOKED,
     shaft: [0.3, 0.18, 0.04],
     downy: 0.55,
 };
@@ -32,7 +32,7 @@ const CONTOUR: Micro = Micro {
     ramus: 28.0,
     spacing: [31.0, 38.0],
     barbule_angle: [40.0, 35.0],
-    radius: HOOKED,
+    cover: HOOKED,
     shaft: [0.8, 0.45, 0.08],
     downy: 0.50,
 };
@@ -42,7 +42,7 @@ const SOFT_MICRO: Micro = Micro {
     ramus: 25.0,
     spacing: [33.0, 42.0],
     barbule_angle: [40.0, 40.0],
-    radius: super::template::SOFT,
+    cover: super::template::SOFT,
     shaft: [0.6, 0.3, 0.05],
     downy: 0.62,
 };
@@ -52,7 +52,7 @@ const PRIMARY: Micro = Micro {
     ramus: 60.0,
     spacing: [31.0, 38.0],
     barbule_angle: [45.0, 35.0],
-    radius: HOOKED,
+    cover: HOOKED,
     shaft: [4.2, 1.3, 0.25],
     downy: 0.04,
 };
@@ -209,7 +209,7 @@ pub(super) fn all() -> Vec<Template> {
                 ramus: 18.0,
                 spacing: [25.0; 2],
                 barbule_angle: [60.0; 2],
-                radius: THREAD,
+                cover: THREAD,
                 shaft: [0.4, 0.2, 0.03],
                 downy: 0.95,
             },

@@ -15,17 +15,13 @@ const DARK: u32 = 0x3A302A;
 /// Bars of remiges and tail.
 const BAR: u32 = 0x7A6450;
 
-/// Barbule radii of a vane under velvet: barbules lie further apart than a hawk's and are twice as long, so that each passes over more of
-/// its neighbors.
-const VELVET: [f32; 2] = [10.5, 10.0];
-
 const HEAD: Micro = Micro {
     pitch: [0.35; 2],
     angle: [30.0; 2],
     ramus: 18.0,
     spacing: [31.0, 44.0],
     barbule_angle: [36.0, 34.0],
-    radius: VELVET,
+    cover: HOOKED,
     shaft: [0.35, 0.2, 0.04],
     downy: 0.5,
 };
@@ -36,7 +32,7 @@ const OPEN: Micro = Micro {
     ramus: 24.0,
     spacing: [45.0, 60.0],
     barbule_angle: [18.0; 2],
-    radius: [5.0, 5.0],
+    cover: [0.62, 0.62],
     shaft: [0.45, 0.3, 0.08],
     downy: 0.2,
 };
@@ -47,7 +43,7 @@ const RUFF: Micro = Micro {
     ramus: 26.0,
     spacing: [28.0, 40.0],
     barbule_angle: [36.0, 34.0],
-    radius: HOOKED,
+    cover: HOOKED,
     shaft: [0.8, 0.55, 0.15],
     downy: 0.2,
 };
@@ -57,7 +53,7 @@ const BODY: Micro = Micro {
     ramus: 28.0,
     spacing: [32.0, 46.0],
     barbule_angle: [40.0, 36.0],
-    radius: VELVET,
+    cover: HOOKED,
     shaft: [0.8, 0.45, 0.07],
     downy: 0.55,
 };
@@ -68,7 +64,7 @@ const REMEX: Micro = Micro {
     ramus: 60.0,
     spacing: [34.0, 46.5],
     barbule_angle: [45.0, 35.0],
-    radius: VELVET,
+    cover: HOOKED,
     shaft: [3.4, 1.2, 0.25],
     downy: 0.06,
 };
@@ -256,7 +252,7 @@ pub(super) fn all() -> Vec<Template> {
                 angle: [43.0; 2],
                 ramus: 24.0,
                 shaft: [0.6, 0.3, 0.05],
-                radius: super::template::SOFT,
+                cover: super::template::SOFT,
                 downy: 0.62,
                 ..BODY
             },
@@ -277,7 +273,7 @@ pub(super) fn all() -> Vec<Template> {
                 ramus: 18.0,
                 spacing: [25.0; 2],
                 barbule_angle: [60.0; 2],
-                radius: THREAD,
+                cover: THREAD,
                 shaft: [0.4, 0.2, 0.03],
                 downy: 0.95,
             },
@@ -377,7 +373,7 @@ pub(super) fn all() -> Vec<Template> {
                 pitch: [0.6; 2],
                 angle: [40.0; 2],
                 ramus: 24.0,
-                radius: super::template::SOFT,
+                cover: super::template::SOFT,
                 shaft: [0.5, 0.25, 0.05],
                 downy: 0.6,
                 ..BODY
@@ -395,7 +391,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: Micro {
                 pitch: [0.5; 2],
                 ramus: 20.0,
-                radius: super::template::SOFT,
+                cover: super::template::SOFT,
                 shaft: [0.35, 0.18, 0.04],
                 downy: 0.5,
                 ..BODY

@@ -64,21 +64,21 @@ pub(super) struct Micro {
     pub spacing: [f32; 2],
     /// Distal and proximal barbule angle, degrees.
     pub barbule_angle: [f32; 2],
-    /// Barbule radii, micrometres: half of what a barbule covers of the vane, head on.
-    pub radius: [f32; 2],
+    /// Share of a vane that distal and proximal barbules cover, head on: their width over their period.
+    pub cover: [f32; 2],
     /// Rachis diameter at base, middle, tip, mm.
     pub shaft: [f32; 3],
     /// Share of the length that is down.
     pub downy: f32,
 }
 
-/// Barbule radii of a closed vane. The lamella of a barbule's base, 18 to 25 high and 8 to 12 thick, stands obliquely, as a slat does: it
-/// covers nearly as much as it is high, and a distal barbule hooks over several proximal ones.
-pub(super) const HOOKED: [f32; 2] = [9.5, 9.0];
-/// Barbule radii of soft, half open vanes.
-pub(super) const SOFT: [f32; 2] = [7.0, 7.0];
-/// Barbule radii of down: threads.
-pub(super) const THREAD: [f32; 2] = [2.2, 2.2];
+/// Of a closed vane. The lamella of a barbule's base, 18 to 25 micrometres high and 8 to 12 thick, stands obliquely, as a slat does: it covers
+/// most of its height, and a distal barbule hooks over several proximal ones.
+pub(super) const HOOKED: [f32; 2] = [0.79, 0.78];
+/// Of soft, half open vanes.
+pub(super) const SOFT: [f32; 2] = [0.55, 0.55];
+/// Of down: threads.
+pub(super) const THREAD: [f32; 2] = [0.203, 0.203];
 
 /// One preset.
 #[derive(Clone)]
@@ -150,15 +150,22 @@ impl Template {
         let aspect = short((high - low + 2.0 * margin).clamp(0.01, 2.0));
         let curve = short_all(bends.iter().map(|bend| (bend + margin - low) / aspect));
 
+        let spacing = (micro.spacing[0] + micro.spacing[1]) / 2.0;
+        let angle = (micro.barbule_angle[0] + micro.barbule_angle[1]) / 2.0;
+        let period = spacing * angle.to_radians().sin();
+        let [distal, proximal] = micro
+            .cover
+            .map(|share| (50.0 * share * period).round() / 100.0);
+
         let vane = |i: usize| Vane {
             barb_count: (self.length_mm / micro.pitch[i]).round().clamp(4.0, 5000.0),
             barb_angle: micro.angle[i],
             barb_radius_um: micro.ramus / 2.0,
             barbules: Barbules {
-                spacing_um: (micro.spacing[0] + micro.spacing[1]) / 2.0,
-                angle: (micro.barbule_angle[0] + micro.barbule_angle[1]) / 2.0,
-                distal_radius_um: micro.radius[0],
-                proximal_radius_um: micro.radius[1],
+                spacing_um: spacing,
+                angle,
+                distal_radius_um: distal,
+                proximal_radius_um: proximal,
             },
             fringe: self.fringe,
             downy: if micro.downy > 0.9 {
