@@ -10,11 +10,13 @@ const BASE: u32 = 0x8C8378;
 const DARK: u32 = 0x33271F;
 const BROWN: u32 = 0x4A3524;
 /// Pale rim of scapulars.
-const RIM: u32 = 0x826F5C;
-/// Pale sides of the body's feathers, between which the dark middle is a streak.
-const SIDES: u32 = 0x9C7D64;
+const RIM: u32 = 0x665648;
+/// Paler sides of the body's feathers, between which the dark middle is a streak.
+const SIDES: u32 = 0x8A684C;
+/// The same of belly and thighs.
+const BELLY: u32 = 0x6C523E;
 /// That streak.
-const STREAK: u32 = 0x221B16;
+const STREAK: u32 = 0x150E08;
 
 const HEAD: Micro = Micro {
     pitch: [0.35; 2],
@@ -91,21 +93,21 @@ fn rimmed(pattern: Pattern, width: f32, rgb: u32) -> Albedo {
 
 /// A dark streak along the shaft that runs out into pale sides, down below: what streaks breast and belly of photographs. `downy`: share
 /// of the length that is down.
-fn streaked(downy: f32) -> Albedo {
+fn streaked(downy: f32, sides: u32, mottle: f32) -> Albedo {
     let downy = downy * DOWN_SHOWN;
     both(Pattern {
         rim: Some(Rim {
-            width: 0.32,
-            color: hex(SIDES),
-            tint: 0.15,
+            width: 0.34,
+            color: hex(sides),
+            tint: 0.25,
         }),
-        mottle: 0.2,
+        mottle,
         ..stops(&[
             (0.0, BASE, 0.0),
             (downy - 0.1, BASE, 0.0),
             (downy, 0x38302A, 0.0),
-            (0.8, STREAK, 0.4),
-            (1.0, 0x2B221B, 0.3),
+            (0.7, STREAK, 0.25),
+            (1.0, 0x20170F, 0.3),
         ])
     })
 }
@@ -119,14 +121,29 @@ pub(super) fn all() -> Vec<Template> {
         left_share: 0.5,
         bend: 0.02,
         start: 0.03,
-        left: super::profiles::SOFT,
-        right: super::profiles::SOFT,
+        left: LANCET,
+        right: LANCET,
         micro: HEAD,
         fringe: 0.18,
         gaps: gaps(3, 0.012, 0.3, 31),
-        // Next to the eye and the cere bases are seen: they are short there, and dark.
-        albedo: rimmed(body(0.3, 0x5C4E40, 0x46382C, 0x857058), 0.09, 0x7D6850),
+        // Next to the eye and the cere bases are seen: they are short there, and dark. A pointed tip is paler than the streak before it.
+        albedo: both(Pattern {
+            rim: Some(Rim {
+                width: 0.5,
+                color: hex(0x6E5842),
+                tint: 0.6,
+            }),
+            mottle: 0.2,
+            ..stops(&[
+                (0.0, 0x5C4E40, 0.0),
+                (0.12, 0x46382C, 0.0),
+                (0.3, 0x3A2E24, 0.45),
+                (0.7, 0x3A2E24, 0.55),
+                (1.0, 0x66523C, 0.8),
+            ])
+        }),
         structural: false,
+        matte: false,
     };
     let contour = Template {
         name: "eagle_contour",
@@ -138,7 +155,7 @@ pub(super) fn all() -> Vec<Template> {
         right: ROUND,
         fringe: 0.08,
         gaps: gaps(4, 0.008, 0.4, 33),
-        albedo: rimmed(body(0.46, BASE, 0x3A2A1E, BROWN), 0.1, RIM),
+        albedo: rimmed(body(0.46, BASE, 0x3A2A1E, BROWN), 0.2, RIM),
         ..head.clone()
     };
     let primary = Template {
@@ -176,6 +193,7 @@ pub(super) fn all() -> Vec<Template> {
             )
         },
         structural: false,
+        matte: false,
     };
     vec![
         head.clone(),
@@ -231,11 +249,12 @@ pub(super) fn all() -> Vec<Template> {
         // What covers the body runs together in streaks: only scapulars and coverts have narrow rims.
         Template {
             name: "eagle_body",
-            left: super::profiles::SOFT,
-            right: super::profiles::SOFT,
-            fringe: 0.26,
-            gaps: gaps(6, 0.010, 0.5, 43),
-            albedo: streaked(0.46),
+            left: LANCET,
+            right: LANCET,
+            fringe: 0.3,
+            gaps: gaps(12, 0.012, 0.7, 43),
+            albedo: streaked(0.46, SIDES, 0.8),
+            matte: true,
             ..contour.clone()
         },
         Template {
@@ -246,7 +265,8 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.34,
             gaps: gaps(7, 0.010, 0.45, 34),
-            albedo: streaked(0.58),
+            albedo: streaked(0.58, BELLY, 0.4),
+            matte: true,
             ..contour.clone()
         },
         Template {
@@ -289,7 +309,7 @@ pub(super) fn all() -> Vec<Template> {
             },
             fringe: 0.04,
             gaps: gaps(3, 0.007, 0.35, 36),
-            albedo: rimmed(body(0.42, BASE, 0x302822, 0x4C3F35), 0.16, 0x8C7862),
+            albedo: rimmed(body(0.42, BASE, 0x302822, 0x4C3F35), 0.26, 0x665646),
             ..contour.clone()
         },
         Template {
@@ -311,7 +331,7 @@ pub(super) fn all() -> Vec<Template> {
             },
             fringe: 0.03,
             gaps: gaps(3, 0.005, 0.35, 37),
-            albedo: rimmed(body(0.22, DOWN, 0x463D36, 0x473D33), 0.06, 0x6A5C50),
+            albedo: rimmed(body(0.22, DOWN, 0x463D36, 0x473D33), 0.12, 0x62554A),
             ..contour.clone()
         },
         primary.clone(),
@@ -365,7 +385,8 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.5,
             gaps: gaps(8, 0.010, 0.5, 41),
-            albedo: streaked(0.55),
+            albedo: streaked(0.55, BELLY, 0.4),
+            matte: true,
             ..contour.clone()
         },
         Template {

@@ -62,6 +62,7 @@ pub(super) fn all() -> Vec<Template> {
         gaps: gaps(3, 0.009, 0.4, 51),
         albedo: both(body(0.46, DOWN, 0x9A9086, NEUTRAL)),
         structural: false,
+        matte: false,
     };
     let primary = Template {
         name: "primary",

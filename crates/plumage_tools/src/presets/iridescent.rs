@@ -130,6 +130,7 @@ pub(super) fn all() -> Vec<Feather> {
             (1.0, DARK, 0.0),
         ])),
         structural: false,
+        matte: false,
     };
     let eye = Template {
         name: "peacock_eye",

@@ -103,6 +103,7 @@ pub(super) fn all() -> Vec<Template> {
         // Next to the naked face bases are seen: they are short there, and red.
         albedo: both(body(0.16, 0x8E3A2A, 0xA8321E, 0xC9241B)),
         structural: false,
+        matte: false,
     };
     let contour = Template {
         name: "macaw_contour",
@@ -131,6 +132,7 @@ pub(super) fn all() -> Vec<Template> {
         gaps: gaps(2, 0.004, 0.3, 19),
         albedo: blue_remex(0.06),
         structural: true,
+        matte: false,
     };
     let lesser_micro = Micro {
         pitch: [0.38; 2],
@@ -194,6 +196,7 @@ pub(super) fn all() -> Vec<Template> {
             gaps: gaps(2, 0.009, 0.4, 16),
             albedo: both(body(0.45, DOWN, 0x8A7F86, LIGHT_BLUE)),
             structural: true,
+            matte: false,
             ..contour.clone()
         },
         Template {

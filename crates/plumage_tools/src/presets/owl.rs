@@ -148,6 +148,7 @@ pub(super) fn all() -> Vec<Template> {
         gaps: gaps(3, 0.012, 0.3, 61),
         albedo: both(veiled(0.5)),
         structural: false,
+        matte: false,
     };
     let body_feather = Template {
         name: "owl_breast",
@@ -173,6 +174,7 @@ pub(super) fn all() -> Vec<Template> {
         gaps: gaps(2, 0.003, 0.3, 71),
         albedo: barred(5.0, 0.3),
         structural: false,
+        matte: false,
     };
     vec![
         head.clone(),

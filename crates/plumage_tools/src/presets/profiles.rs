@@ -32,6 +32,12 @@ pub(super) const SOFT: Profile = Profile::new(
     0.5,
     (1.9, 1.7),
 );
+/// Pointed, between a lance and the round feathers of the body.
+pub(super) const LANCET: Profile = Profile::new(
+    &[(0.0, 0.5), (0.28, 0.9), (0.48, 1.0), (1.0, 0.76)],
+    0.46,
+    (1.7, 1.3),
+);
 /// A tuft.
 pub(super) const TUFT: Profile = Profile::new(
     &[(0.0, 0.75), (0.2, 1.0), (0.55, 1.0), (1.0, 0.7)],

@@ -100,6 +100,8 @@ pub(super) struct Template {
     pub gaps: Gaps,
     pub albedo: Albedo,
     pub structural: bool,
+    /// Loose barbs lie in all directions: no broad highlight pales the coat.
+    pub matte: bool,
 }
 
 /// Values a side of a preset's contour.
@@ -189,6 +191,9 @@ impl Template {
             ..self.albedo.clone()
         };
         feather.optics = optics(self.structural, micro.downy);
+        if self.matte {
+            feather.optics = matte(feather.optics);
+        }
         feather
     }
 }
@@ -243,6 +248,24 @@ fn optics(structural: bool, downy: f32) -> Optics {
         distal: barbule,
         proximal: barbule,
         sheen,
+    }
+}
+
+/// The same of barbs and barbules that do not lie parallel.
+fn matte(optics: Optics) -> Optics {
+    let rough = |fibre| Fibre {
+        longitudinal_roughness: 0.6,
+        ..fibre
+    };
+    Optics {
+        barb: rough(optics.barb),
+        distal: rough(optics.distal),
+        proximal: rough(optics.proximal),
+        sheen: Sheen {
+            strength: 0.05,
+            ..optics.sheen
+        },
+        ..optics
     }
 }
 

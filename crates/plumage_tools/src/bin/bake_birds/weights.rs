@@ -275,7 +275,7 @@ fn wing(
     }
     // Over the shoulder the chest keeps its hold.
     let off = q.distance(shoulder) / reach;
-    let hold = (1.0 - ease(0.2, 1.0, off)) * 0.6;
+    let hold = (1.0 - ease(0.2, 1.0, off)) * s.shoulder_hold;
     for v in &mut own {
         *v *= 1.0 - hold;
     }

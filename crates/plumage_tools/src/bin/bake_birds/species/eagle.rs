@@ -113,7 +113,7 @@ pub fn species() -> Species {
         arcs: Arcs {
             dorsal: [40., 135., 220., 300.],
             ventral: [112., 200.],
-            neck: 86.,
+            neck: 100.,
             scapulars: 292.,
             leg_top: 287.,
             head_plane: 487.,
@@ -126,8 +126,9 @@ pub fn species() -> Species {
         fine_head: true,
         swell_scale: 1.9,
         swell_blend: 45.,
-        swell_on_chest: false,
-        shoulder_reach: 55.,
+        swell_on_chest: true,
+        shoulder_reach: 80.,
+        shoulder_hold: 0.9,
         shoulder: Some(Shoulder {
             thickness: 1.6,
             buried: 1.0,
@@ -314,32 +315,32 @@ const SKIN: &[(&[Tract], u32)] = &[
 /// Scattered tracts.
 #[rustfmt::skip]
 const TRACTS: &[TractRow] = &[
-    row("crown", &[Crown], "head", 480, 0, (12., 26.), (6., 9.), (10., 7.), (0.06, 10.), (0.1, 1800., HEAD), (0x665443, 0xB08A62)),
+    row("crown", &[Crown], "head", 480, 0, (12., 26.), (6., 9.), (10., 7.), (0.06, 10.), (0.1, 1800., HEAD), (0x5C4A38, 0x9E7A50)),
     row("nape", &[Nape], "hackle", 150, 0, (35., 60.), (10., 14.), (9., 9.), (0.12, 10.), (0.15, 1700., CONTOUR), (0xC49F6D, 0xC49F6D)),
-    row("face", &[Cheek, Lore], "head", 956, 0, (8., 24.), (5.5, 9.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0x54463A, 0x77614A)),
+    row("face", &[Cheek, Lore], "head", 956, 0, (8., 24.), (5.5, 9.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0x4E4033, 0x3E3228)),
     row("lore", &[Lore], "bristle", 70, 0, (6., 12.), (1., 1.5), (25., 25.), (0., 0.), (0.5, 1950., (2, 1)), (0x382F27, 0x382F27)),
-    row("neck_dorsal", &[NeckDorsal], "hackle", 280, 0, (40., 100.), (13., 19.), (9., 9.), (0.08, 12.), (0.2, 1600., CONTOUR), (0x7A6146, 0x463B31)),
-    row("neck_ventral", &[NeckVentral], "body", 300, 0, (26., 56.), (14., 21.), (9., 9.), (0.08, 14.), (0.2, 1600., CONTOUR), (0x5A4B3D, 0x4A3E34)),
+    row("neck_dorsal", &[NeckDorsal], "hackle", 280, 0, (40., 62.), (13., 19.), (9., 9.), (0.08, 12.), (0.2, 1600., CONTOUR), (0x745A3C, 0x463A2F)),
+    row("neck_ventral", &[NeckVentral], "body", 300, 0, (26., 56.), (14., 24.), (9., 9.), (0.08, 14.), (0.2, 1600., CONTOUR), (0x6A523A, 0x473A2E)),
     row("mantle", &[Mantle, ScapularMantle], "body", 88, 6, (55., 80.), (32., 42.), (8., 8.), (0.06, 10.), (0.25, 1400., CONTOUR), (0x544736, 0x43382D)),
     row("back", &[Back], "body", 50, 5, (55., 75.), (32., 40.), (9., 9.), (0.06, 8.), (0.25, 1300., CONTOUR), (0x43382D, 0x43382D)),
     row("rump", &[Rump], "body", 60, 6, (50., 80.), (30., 40.), (8., 8.), (0.08, 6.), (0.25, 320., CONTOUR), (0x483C32, 0x483C32)),
     row("scapulars", &[ScapularMantle], "contour", 104, 5, (84., 140.), (41., 52.), (9., 7.), (0.05, 8.), (0.25, 1200., (5, 2)), (0x4A3F35, 0x463B32)),
     row("shoulder", &[Shoulder], "body", 110, 0, (40., 54.), (28., 34.), (4., 3.), (0.07, 14.), (0.25, 0.6, CONTOUR), (0x544739, 0x52463B)),
     row("shoulder_side", &[Shoulder], "body", 50, 0, (28., 36.), (24., 30.), (1., 1.), (0.06, 8.), (0., 0.5, LESSER), (0x45392E, 0x45392E)),
-    row("breast", &[Breast], "body", 168, 11, (46., 62.), (25., 32.), (10., 6.), (0.07, 18.), (0.25, 1500., CONTOUR), (0x4A3E34, 0x463B32)),
+    row("breast", &[Breast], "body", 168, 11, (46., 62.), (27., 34.), (10., 6.), (0.07, 18.), (0.25, 1500., CONTOUR), (0x4C3B2F, 0x48392E)),
     row("belly", &[Belly], "soft", 94, 0, (55., 78.), (34., 44.), (7., 5.), (0.07, 22.), (0.05, 660., CONTOUR), (0x473B32, 0x473B32)),
     row("flanks", &[Flank], "soft", 140, 0, (52., 70.), (30., 40.), (4., 3.), (0.07, 22.), (0.05, 640., CONTOUR), (0x42382D, 0x493D33)),
     row("side", &[Side], "body", 98, 0, (50., 58.), (28., 34.), (2., 2.), (0.06, 12.), (0., 620., CONTOUR), (0x45392E, 0x42382D)),
-    row("vent", &[Vent], "soft", 36, 0, (50., 80.), (28., 38.), (12., 12.), (0.05, 10.), (0.25, 300., CONTOUR), (0x675749, 0x675749)),
+    row("vent", &[Vent], "soft", 36, 0, (50., 80.), (28., 38.), (12., 12.), (0.05, 10.), (0.25, 300., CONTOUR), (0x584B40, 0x584B40)),
     row("filler", TRUNK, "semiplume", 60, 0, (26., 42.), (28., 36.), (2., 2.), (0., 0.), (0., 0., LESSER), (0x756A5E, 0x756A5E)),
     row("lesser_upper", &[LesserUpper], "lesser", 380, 0, (38., 28.), (24., 25.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0x56493E, 0x52463B)),
     row("elbow", &[Elbow], "lesser", 60, 0, (30., 38.), (24., 30.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0x52463B, 0x52463B)),
-    row("marginal_upper", &[MarginalUpper], "body", 580, 0, (16., 30.), (12., 17.), (4., 4.), (0.05, 16.), (0.3, 1100., HEAD), (0x4A3E34, 0x52463B)),
-    row("lesser_under", &[LesserUnder], "lesser", 246, 6, (28., 58.), (22., 32.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0x473B32, 0x473B32)),
+    row("marginal_upper", &[MarginalUpper], "body", 580, 0, (16., 30.), (12., 17.), (2., 2.), (0.05, 8.), (0.3, 1100., HEAD), (0x4A3E34, 0x52463B)),
+    row("lesser_under", &[LesserUnder], "body", 246, 6, (28., 50.), (22., 32.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0x473B32, 0x473B32)),
     row("marginal_under", &[MarginalUnder], "lesser", 430, 0, (10., 26.), (8., 15.), (8., 8.), (0.08, 15.), (0.3, 1100., HEAD), (0x4F4237, 0x4F4237)),
-    row("femoral", &[Femoral], "trouser", 210, 0, (50., 72.), (26., 34.), (6., 5.), (0.07, 22.), (0.05, 600., CONTOUR), (0x4B3E35, 0x58493E)),
-    row("crural", &[Crural], "trouser", 430, 0, (72., 56.), (27., 22.), (6., 5.), (0.06, 14.), (0.15, 500., CONTOUR), (0x4F4237, 0x6A5A4A)),
-    row("tarsal", &[Tarsal], "tarsal", 300, 0, (34., 20.), (20., 14.), (7., 6.), (0.06, 14.), (0.05, 480., LESSER), (0x9A8369, 0x9A8369)),
+    row("femoral", &[Femoral], "trouser", 210, 0, (50., 72.), (26., 34.), (6., 5.), (0.07, 22.), (0.05, 600., CONTOUR), (0x4B3E35, 0x52453A)),
+    row("crural", &[Crural], "trouser", 430, 0, (72., 56.), (27., 22.), (6., 5.), (0.06, 14.), (0.15, 500., CONTOUR), (0x544638, 0x625345)),
+    row("tarsal", &[Tarsal], "tarsal", 300, 0, (34., 20.), (20., 14.), (7., 6.), (0.06, 14.), (0.05, 480., LESSER), (0x6E5D4C, 0x6E5D4C)),
 ];
 
 /// Rows.
@@ -362,7 +363,7 @@ const ROWS: &[RowLook] = &[
     look("under_secondary", "greater", 14, (130., 95.), (40., 46.), (3., 0.06, 6.), (5, 2), (0x5B554E, 0x5B554E)),
     look("under_median_primary", "lesser", 11, (70., 55.), (34., 28.), (4., 0.06, 8.), (3, 2), (0x473D34, 0x473D34)),
     look("under_median_secondary", "lesser", 15, (80., 60.), (34., 36.), (4., 0.06, 8.), (3, 2), (0x473D34, 0x473D34)),
-    look("axillaries", "soft", 14, (90., 150.), (34., 44.), (5., 0.05, 5.), (4, 2), (0x42382D, 0x42382D)),
+    look("axillaries", "soft", 14, (90., 150.), (34., 44.), (5., 0.05, 5.), (4, 2), (0x544C44, 0x544C44)),
     look("rectrices", "rectrix", 6, (0., 0.), (62., 58.), (0., 0.10, 4.), (12, 4), (0x4B4540, 0x4B4540)),
 ];
 
@@ -383,5 +384,5 @@ const TAIL_COVERTS: TailCoverts = TailCoverts {
     length: [(160., 70.), (170., 70.)],
     width: (42., 32.),
     feather: ["body", "soft"],
-    tint: [0x54473B, 0x705F4F],
+    tint: [0x54473B, 0x605144],
 };

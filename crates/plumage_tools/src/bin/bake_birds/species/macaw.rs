@@ -128,6 +128,7 @@ pub fn species() -> Species {
         swell_blend: 66.,
         swell_on_chest: true,
         shoulder_reach: 30.,
+        shoulder_hold: 0.6,
         shoulder: Some(Shoulder {
             thickness: 1.6,
             buried: 1.0,

@@ -154,6 +154,8 @@ pub struct Species {
     pub swell_on_chest: bool,
     /// Distance over which the skin of the shoulder changes from chest to wing, mm.
     pub shoulder_reach: f32,
+    /// Share of the skin at the shoulder that the chest keeps.
+    pub shoulder_hold: f32,
     /// Plumage over the folded arm.
     pub shoulder: Option<Shoulder>,
     /// Ridge above the eye.

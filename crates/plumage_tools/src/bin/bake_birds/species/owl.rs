@@ -128,6 +128,7 @@ pub fn species() -> Species {
         swell_blend: 45.,
         swell_on_chest: false,
         shoulder_reach: 26.,
+        shoulder_hold: 0.6,
         shoulder: None,
         brow: None,
         bill: BILL,
