@@ -79,6 +79,11 @@ fn a_parrot_at_rest_needs_no_down_and_a_ruffled_one_shows_it() {
         amount: 1.0,
         ..default()
     });
+    // Seen against the lay, up below the feathers that rise.
+    let place = Transform::from_xyz(0.6, -0.2, -0.8).looking_at(target, Vec3::Y);
+    let camera = stage.camera;
+    stage.app.world_mut().entity_mut(camera).insert(place);
+    stage.frames(2);
     let (ruffled, drawn) = everywhere(&mut stage, false);
     assert!(drawn >= 5, "{drawn}");
     let mut coats = stage.app.world_mut().query::<&UndercoatShell>();
