@@ -74,7 +74,7 @@ pub(super) struct Micro {
 
 /// Of a closed vane. The lamella of a barbule's base, 18 to 25 micrometres high and 8 to 12 thick, stands obliquely, as a slat does: it covers
 /// most of its height, and a distal barbule hooks over several proximal ones.
-pub(super) const HOOKED: [f32; 2] = [0.78, 0.775];
+pub(super) const HOOKED: [f32; 2] = [0.745, 0.79];
 /// Of soft, half open vanes.
 pub(super) const SOFT: [f32; 2] = [0.55, 0.55];
 /// Of down: threads.
