@@ -35,7 +35,7 @@ fn dense_vane() -> Feather {
     let mut feather = vane();
     for vane in [&mut feather.left, &mut feather.right] {
         vane.barb_count *= 2.0;
-        vane.barbules.spacing_um *= 0.9;
+        vane.barbules.spacing_um *= 0.86;
     }
     feather
 }

@@ -92,7 +92,7 @@ fn rimmed(pattern: Pattern, width: f32, rgb: u32) -> Albedo {
 }
 
 /// A dark streak along the shaft that runs out into pale sides, down below: what streaks breast and belly of photographs. `downy`: share
-/// of the length that is down.
+/// of the length that is down, `mottle`: how uneven the sides are.
 fn streaked(downy: f32, sides: u32, mottle: f32) -> Albedo {
     let downy = downy * DOWN_SHOWN;
     both(Pattern {
