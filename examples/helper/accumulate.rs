@@ -6,26 +6,11 @@ use bevy::prelude::*;
 /// Half the angle at which the sun is seen, radians.
 pub const SUN: f32 = 0.267 * std::f32::consts::PI / 180.0;
 
-/// A pixel and those around it: interleaved gradient noise is even over them.
-const WHOLE: [[i32; 2]; 9] = [
-    [0, 0],
-    [1, 0],
-    [-1, 1],
-    [0, -1],
-    [1, 1],
-    [-1, 0],
-    [0, 1],
-    [1, -1],
-    [-1, -1],
-];
-
 /// One frame of a picture that is accumulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Place in the pixel, -0.5..0.5.
     pub pixel: Vec2,
-    /// Pixels by which the whole picture is moved: what is dithered by a pattern of the screen is so by another part of it.
-    pub whole: IVec2,
     /// Place on the lens, in a disc of radius 1.
     pub lens: Vec2,
     /// Place on the sun, in a disc of radius 1.
@@ -51,22 +36,14 @@ fn shift(seed: u64, dimension: u64) -> f32 {
     ((x ^ (x >> 31)) >> 40) as f32 / 16_777_216.0
 }
 
-impl Sample {
-    /// How far the camera's projection is moved, pixels.
-    pub fn jitter(&self) -> Vec2 {
-        self.pixel + self.whole.as_vec2()
-    }
-}
-
 /// Sample `index` of the sequence of a seed: Halton points, turned by the seed.
 pub fn sample(seed: u64, index: u32) -> Sample {
-    const BASES: [u32; 7] = [2, 3, 5, 7, 11, 13, 17];
+    const BASES: [u32; 6] = [2, 3, 5, 7, 11, 13];
     let at = |k: usize| (halton(index + 1, BASES[k]) + shift(seed, k as u64)).fract();
     let disc =
         |k: usize| Vec2::from_angle(std::f32::consts::TAU * at(k + 1)) * at(k).max(0.0).sqrt();
     Sample {
         pixel: Vec2::new(at(0), at(1)) - 0.5,
-        whole: WHOLE[(at(6) * WHOLE.len() as f32) as usize % WHOLE.len()].into(),
         lens: disc(2),
         sun: disc(4),
     }
@@ -92,19 +69,11 @@ pub struct Sum {
 }
 
 impl Sum {
-    /// Adds a frame of this width, drawn with the jitter of `sample`; all of them are of one size.
-    pub fn add(&mut self, frame: &[Vec3], width: usize, sample: &Sample) {
-        let height = frame.len() / width.max(1);
+    /// Adds a frame; all of them are of one size.
+    pub fn add(&mut self, frame: &[Vec3]) {
         self.total.resize(frame.len(), Vec3::ZERO);
-        // A jitter moves what is seen to the left and up. The border stands in for what is beyond it.
-        let moved = |at: usize, by: i32, size: usize| {
-            let at = at as i32 - by;
-            at.clamp(0, size as i32 - 1) as usize
-        };
-        for (i, sum) in self.total.iter_mut().enumerate() {
-            let x = moved(i % width, sample.whole.x, width);
-            let y = moved(i / width, sample.whole.y, height);
-            *sum += frame[y * width + x];
+        for (sum, color) in self.total.iter_mut().zip(frame) {
+            *sum += *color;
         }
         self.frames += 1;
     }

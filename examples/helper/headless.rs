@@ -380,9 +380,7 @@ fn average(
             let at = accumulate::sample(args.seed, index);
             let world = app.world_mut();
             world.entity_mut(camera).insert((
-                TemporalJitter {
-                    offset: at.jitter(),
-                },
+                TemporalJitter { offset: at.pixel },
                 accumulate::through_lens(place, target, setting.aperture * at.lens),
             ));
             for (light, place) in &lights {
@@ -407,8 +405,7 @@ fn average(
         frame(app);
         while let Some(image) = arrived.lock().ok().and_then(|mut all| all.remove(&next)) {
             let colors: Vec<Vec3> = linear(&image).collect();
-            let sample = accumulate::sample(args.seed, next);
-            sum.add(&colors, args.size.0 as usize, &sample);
+            sum.add(&colors);
             next += 1;
         }
     }

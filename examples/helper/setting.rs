@@ -219,7 +219,7 @@ impl Setting {
             }),
             ev100: 11.6,
             tone: Tonemapping::KhronosPbrNeutral,
-            saturation: 0.972,
+            saturation: 0.955,
             bark: true,
             surroundings: Surroundings::Leaves,
             blades: &LEAF,

@@ -11,7 +11,7 @@ use bevy::{
     prelude::*,
     render::camera::TemporalJitter,
 };
-use plumage_tests::app::{SIZE, Stage};
+use plumage_tests::app::Stage;
 use sampling::{Sum, sample, through_lens};
 
 fn picture(stage: &mut Stage, seed: u64, count: u32) -> Vec<Vec3> {
@@ -21,16 +21,14 @@ fn picture(stage: &mut Stage, seed: u64, count: u32) -> Vec<Vec3> {
     for index in 0..count {
         let at = sample(seed, index);
         let moved = through_lens(place, Vec3::ZERO, 1.0e-4 * at.lens);
-        let jitter = TemporalJitter {
-            offset: at.jitter(),
-        };
+        let jitter = TemporalJitter { offset: at.pixel };
         stage
             .app
             .world_mut()
             .entity_mut(camera)
             .insert((jitter, moved));
         let frame: Vec<Vec3> = stage.picture().into_iter().map(Vec3::from_array).collect();
-        sum.add(&frame, SIZE as usize, &at);
+        sum.add(&frame);
     }
     stage.app.world_mut().entity_mut(camera).insert(place);
     sum.mean().collect()

@@ -5,7 +5,7 @@
     feather_bindings::settings,
     feather_data as data,
     feather_io::FeatherVertex,
-    feather_pattern::{hash, hashed_threshold, pattern_threshold, sample_mask},
+    feather_pattern::{frame_point, hash, hashed_threshold, pattern_threshold, sample_mask, threshold_after},
 }
 #ifdef VISIBILITY_RANGE_DITHER
 #import bevy_pbr::pbr_functions::visibility_range_dither
@@ -15,10 +15,8 @@
 const CORE_OPACITY: f32 = 0.98;
 const LEAST_OPACITY: f32 = 0.00392157;
 
-// Seed of the frame's pattern: 0, the usual one, leaves a seed as it is.
-fn patterned(seed: u32) -> u32 {
-    return seed + settings.pattern * 2654435769u;
-}
+// Where the frame's pattern stands for a card: the usual one, 0, nowhere.
+fn moved_by(card: u32) -> vec2<u32> { return frame_point(settings.pattern, hash(card)); }
 
 // Whether nothing at all of the fragment is drawn. `aspect`: width over length of the card.
 fn leaves_hole(in: FeatherVertex, opacity: f32, aspect: f32) -> bool {
@@ -29,7 +27,8 @@ fn leaves_hole(in: FeatherVertex, opacity: f32, aspect: f32) -> bool {
     let point = vec2(in.uv.x * aspect, in.uv.y);
     let dx = vec2(dpdx(in.uv.x) * aspect, dpdx(in.uv.y));
     let dy = vec2(dpdy(in.uv.x) * aspect, dpdy(in.uv.y));
-    return opacity < hashed_threshold(point, dx, dy, patterned(in.card.z));
+    let threshold = hashed_threshold(point, dx, dy, in.card.z);
+    return opacity < threshold_after(threshold, moved_by(data::card_index(in.card.w)).x);
 #else
 #ifdef FEATHER_CORE
     return opacity < CORE_OPACITY;
@@ -47,9 +46,9 @@ fn leaves_hole(in: FeatherVertex, opacity: f32, aspect: f32) -> bool {
 // Whether the other one of MEAN and LIT draws the pixel: they share a card that is on its way from one to the other.
 fn is_left_out(in: FeatherVertex) -> bool {
     let pixel = vec2<u32>(in.position.xy);
-    let card = patterned(data::card_index(in.card.w));
+    let card = data::card_index(in.card.w);
     let lit = data::lod_lit(in.card.w);
-    let is_lit = lit >= data::LIT_SHARES || hash(card ^ hash(pixel.x ^ (pixel.y << 16u))) >> 27u < lit;
+    let is_lit = lit >= data::LIT_SHARES || (hash(card ^ hash(pixel.x ^ (pixel.y << 16u))) + moved_by(card).y) >> 27u < lit;
 #ifdef ONLY_LIT
     return !is_lit;
 #else
@@ -61,11 +60,12 @@ fn is_left_out(in: FeatherVertex) -> bool {
 #ifdef SAMPLE_COVERAGE
 // The multisampling samples that the fragment covers.
 fn sample_bits(in: FeatherVertex, opacity: f32) -> u32 {
-    let card = patterned(data::card_index(in.card.w));
-    let threshold = select(0.5, pattern_threshold(in.position.xy, card), settings.dither != 0u);
+    let card = data::card_index(in.card.w);
+    let moved = moved_by(card);
+    let threshold = select(0.5, threshold_after(pattern_threshold(in.position.xy, card), moved.x), settings.dither != 0u);
     let pixel = vec2<u32>(in.position.xy);
     // Other samples in every pixel and for every card, so that no two cards always share theirs.
-    let turn = hash(card ^ hash(pixel.x ^ (pixel.y << 16u))) >> 5u;
+    let turn = (hash(card ^ hash(pixel.x ^ (pixel.y << 16u))) >> 5u) + (((moved.y >> 16u) * #{FEATHER_SAMPLES}u) >> 16u);
     return sample_mask(opacity, threshold, turn, #{FEATHER_SAMPLES}u);
 }
 #endif

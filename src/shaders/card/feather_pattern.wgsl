@@ -8,10 +8,51 @@ fn hash(value: u32) -> u32 {
     return (word >> 22u) ^ word;
 }
 
+// Frames that a sequence tells apart.
+const FRAME_BITS: u32 = 10u;
+
+// The index of a frame in an order of its own for every seed, in which aligned blocks of a power of two stay together (hash of Laine and
+// Karras; Burley 2020, "Practical Hash-based Owen Scrambling", Sec. 3).
+fn shuffled(frame: u32, seed: u32) -> u32 {
+    var x = reverseBits(frame) + seed;
+    x ^= x * 0x6c50b47cu;
+    x ^= x * 0xb82f1e52u;
+    x ^= x * 0xc7afe638u;
+    x ^= x * 0x8d22f6e6u;
+    return reverseBits(x);
+}
+
+// The first two dimensions of the sequence of Sobol, of 2^32: four points lie in the four quarters of either, sixteen in the sixteen
+// sixteenths, and so on.
+fn sobol(index: u32) -> vec2<u32> {
+    var second = 0u;
+    var direction = 1u << 31u;
+    for (var bit = 0u; bit < FRAME_BITS; bit++) {
+        second ^= select(0u, direction, ((index >> bit) & 1u) != 0u);
+        direction ^= direction >> 1u;
+    }
+    return vec2(reverseBits(index), second);
+}
+
+// By how much of 2^32 a frame moves thresholds and samples, for every seed independently: over frames that are averaged they fill their
+// range evenly. Frame 0 moves nothing.
+fn frame_point(frame: u32, seed: u32) -> vec2<u32> {
+    if (frame == 0u) {
+        return vec2(0u);
+    }
+    return sobol(shuffled(frame, seed)) ^ sobol(shuffled(0u, seed));
+}
+
+// A share of 2^32.
+fn share_of(part: u32) -> f32 { return f32(part >> 8u) / 16777216.0; }
+
+// A threshold moved on by a share, in (0, 1).
+fn threshold_after(threshold: f32, by: u32) -> f32 { return clamp(fract(threshold + share_of(by)), 0.002, 0.998); }
+
 // In (0, 1): interleaved gradient noise (Jimenez 2014) shifted by the card, so that stacked cards are not holed alike.
 fn pattern_threshold(pixel: vec2<f32>, card: u32) -> f32 {
     let gradient = fract(52.9829189 * fract(dot(floor(pixel), vec2(0.06711056, 0.00583715))));
-    let shift = f32(hash(card) >> 8u) / 16777216.0;
+    let shift = share_of(hash(card));
     return clamp(fract(gradient + shift), 0.002, 0.998);
 }
 
@@ -27,7 +68,7 @@ fn sample_mask(alpha: f32, threshold: f32, turn: u32, samples: u32) -> u32 {
 
 fn cell_value(cell: vec2<f32>, seed: u32) -> f32 {
     let i = vec2<i32>(cell);
-    return f32(hash(bitcast<u32>(i.x) ^ hash(bitcast<u32>(i.y) ^ seed)) >> 8u) / 16777216.0;
+    return share_of(hash(bitcast<u32>(i.x) ^ hash(bitcast<u32>(i.y) ^ seed)));
 }
 
 // A threshold in (0, 1), even over the cells of a lattice on the card about a pixel wide: it moves with the card, not with the

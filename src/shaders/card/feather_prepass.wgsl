@@ -12,8 +12,8 @@
     feather_cover::{cover, frame_of},
     feather_data as data,
     feather_io::{CardVertex, FeatherVertex, class_of},
-    feather_opacity::{is_left_out, leaves_hole},
-    feather_pattern::pattern_threshold,
+    feather_opacity::{is_left_out, leaves_hole, moved_by},
+    feather_pattern::{pattern_threshold, threshold_after},
     feather_place::{is_light, place},
     masking::{storeys, vane_stop},
 }
@@ -81,7 +81,8 @@ fn silhouette(in: FeatherVertex) -> Silhouette {
     var found: Silhouette;
     if (is_light()) {
         let opacity = shadow_opacity(in, base, shape);
-        found.hole = opacity < pattern_threshold(in.position.xy, data::card_index(in.card.w));
+        let card = data::card_index(in.card.w);
+        found.hole = opacity < threshold_after(pattern_threshold(in.position.xy, card), moved_by(card).x);
         found.samples = 0xffffffffu;
         return found;
     }

@@ -12,7 +12,7 @@ const BROWN: u32 = 0x4A3524;
 /// Pale rim of scapulars.
 const RIM: u32 = 0x665648;
 /// Paler sides of the body's feathers, between which the dark middle is a streak.
-const SIDES: u32 = 0x8A684C;
+const SIDES: u32 = 0x876B54;
 /// The same of belly and thighs.
 const BELLY: u32 = 0x6C523E;
 /// That streak.

@@ -11,7 +11,7 @@ const BASE: u32 = 0xB8705E;
 const AMBER: u32 = 0xC6502A;
 const SCARLET: u32 = 0xC4231A;
 /// Rims of the red body feathers, by which one is told from the next: width, color and mottling.
-const CRIMSON: (f32, u32, f32) = (0.15, 0xA61F18, 0.45);
+const CRIMSON: (f32, u32, f32) = (0.17, 0x9A1C16, 0.5);
 const LIGHT_BLUE: u32 = 0x5DA9DC;
 const BLUE: u32 = 0x1F3F9C;
 const RED_GOLD: u32 = 0xA8431F;
@@ -233,7 +233,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: lesser_micro,
             fringe: 0.03,
             gaps: gaps(2, 0.008, 0.3, 18),
-            albedo: rimmed(body(0.36, BASE, AMBER, SCARLET), 0.12, CRIMSON.1, 0.2),
+            albedo: rimmed(body(0.36, BASE, AMBER, SCARLET), 0.12, 0xA61F18, 0.2),
             ..contour.clone()
         },
         Template {
