@@ -12,11 +12,11 @@ const BROWN: u32 = 0x4A3524;
 /// Pale rim of scapulars.
 const RIM: u32 = 0x665648;
 /// Paler sides of the body's feathers, between which the dark middle is a streak.
-const SIDES: u32 = 0x876B54;
+const SIDES: u32 = 0x967457;
 /// The same of belly and thighs.
 const BELLY: u32 = 0x6C523E;
 /// That streak.
-const STREAK: u32 = 0x150E08;
+const STREAK: u32 = 0x0F0A06;
 
 const HEAD: Micro = Micro {
     pitch: [0.35; 2],
