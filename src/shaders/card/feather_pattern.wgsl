@@ -8,39 +8,32 @@ fn hash(value: u32) -> u32 {
     return (word >> 22u) ^ word;
 }
 
-// Frames that a sequence tells apart.
-const FRAME_BITS: u32 = 10u;
-
-// The index of a frame in an order of its own for every seed, in which aligned blocks of a power of two stay together (hash of Laine and
-// Karras; Burley 2020, "Practical Hash-based Owen Scrambling", Sec. 3).
-fn shuffled(frame: u32, seed: u32) -> u32 {
-    var x = reverseBits(frame) + seed;
+// Bits of which each depends on itself and those below (hash of Laine and Karras; Burley 2020, "Practical Hash-based Owen Scrambling",
+// Sec. 3): of a reversed index, an order in which aligned blocks of a power of two stay together.
+fn shuffled(reversed: u32, seed: u32) -> u32 {
+    var x = reversed + seed;
     x ^= x * 0x6c50b47cu;
     x ^= x * 0xb82f1e52u;
     x ^= x * 0xc7afe638u;
     x ^= x * 0x8d22f6e6u;
-    return reverseBits(x);
+    return x;
 }
 
-// The first two dimensions of the sequence of Sobol, of 2^32: four points lie in the four quarters of either, sixteen in the sixteen
-// sixteenths, and so on.
-fn sobol(index: u32) -> vec2<u32> {
-    var second = 0u;
-    var direction = 1u << 31u;
-    for (var bit = 0u; bit < FRAME_BITS; bit++) {
-        second ^= select(0u, direction, ((index >> bit) & 1u) != 0u);
-        direction ^= direction >> 1u;
-    }
-    return vec2(reverseBits(index), second);
-}
-
-// By how much of 2^32 a frame moves thresholds and samples, for every seed independently: over frames that are averaged they fill their
-// range evenly. Frame 0 moves nothing.
+// By how much of 2^32 a frame moves thresholds and samples, for every seed independently: the first two dimensions of the sequence of
+// Sobol. Of aligned frames four lie in the four quarters of either, sixteen in the sixteen sixteenths, and so on. Frame 0 moves nothing.
 fn frame_point(frame: u32, seed: u32) -> vec2<u32> {
     if (frame == 0u) {
         return vec2(0u);
     }
-    return sobol(shuffled(frame, seed)) ^ sobol(shuffled(0u, seed));
+    let first = shuffled(reverseBits(frame), seed) ^ shuffled(0u, seed);
+    // Pascal's triangle modulo 2.
+    var second = first;
+    second ^= (second & 0x55555555u) << 1u;
+    second ^= (second & 0x33333333u) << 2u;
+    second ^= (second & 0x0f0f0f0fu) << 4u;
+    second ^= (second & 0x00ff00ffu) << 8u;
+    second ^= second << 16u;
+    return vec2(first, second);
 }
 
 // A share of 2^32.
