@@ -7,7 +7,9 @@ use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 pub struct Difference {
     /// Mean of FLIP.
     pub flip: f32,
-    /// 99th percentile of FLIP.
+    /// FLIP that 99 of 100 pixels do not exceed.
+    pub flip_pixels_99: f32,
+    /// FLIP below which 99 of 100 parts of the sum of all of it lie: that of the worst pixels.
     pub flip_99: f32,
     /// Root mean square over all channels, of 255.
     pub rmse: f32,
@@ -29,6 +31,7 @@ pub fn difference(truth: &[u8], shown: &[u8], (width, height): (u32, u32)) -> Di
     });
     Difference {
         flip: pool.mean(),
+        flip_pixels_99: pool.get_percentile(0.99, false),
         flip_99: pool.get_percentile(0.99, true),
         rmse: (squares.sum::<f64>() / truth.len().max(1) as f64).sqrt() as f32,
     }

@@ -2,20 +2,12 @@
 
 use plumage_tests::gpu;
 use plumage_tools::judge::{Line, Species, Subject, View};
-use serde::Deserialize;
 use std::{env, error::Error, fs, path::Path, process::Command};
 
 const SIZE: &str = "800x600";
 const FRAMES: &str = "4";
 /// Numbers of the lines that are judged: colors, and contrast by scale.
 const LINES: [u32; 2] = [6, 7];
-
-/// What an example says of its mask.
-#[derive(Deserialize)]
-struct Said {
-    mm_per_pixel: f32,
-    breasts: Vec<[f32; 3]>,
-}
 
 /// What the judge finds in the picture that an example makes of its whole scene.
 fn judged(example: &str, species: Species) -> Result<Vec<Line>, Box<dyn Error>> {
@@ -43,11 +35,7 @@ fn judged(example: &str, species: Species) -> Result<Vec<Line>, Box<dyn Error>> 
         .status()?;
     assert!(drawn.success(), "{example} does not draw");
     let mask = masks.join(format!("{example}.png"));
-    let said: Said = serde_json::from_slice(&fs::read(mask.with_extension("json"))?)?;
-    let [picture, mask] =
-        [image::open(&picture)?, image::open(&mask)?].map(|image| image.to_rgb8());
-    let width = picture.width() as usize;
-    let subject = Subject::new(&picture, &mask, width, said.mm_per_pixel, &said.breasts);
+    let subject = Subject::open(&picture, &mask)?;
     Ok(subject.judge(species, View::Front))
 }
 

@@ -69,6 +69,7 @@ fn light(from: &Path, charts: &Path) -> Result<()> {
             flip,
             flip_99,
             rmse,
+            ..
         } = off;
         writeln!(table, "{},{rmse:.2},{flip:.4},{flip_99:.3}", row.join(","))?;
         let budget: f64 = row[0].parse()?;

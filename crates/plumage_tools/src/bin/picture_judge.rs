@@ -23,15 +23,6 @@ enum SeenFrom {
     Head,
 }
 
-/// What the mask's JSON says.
-#[derive(serde::Deserialize)]
-struct Said {
-    /// What a pixel measures on the bird, millimetres.
-    mm_per_pixel: f32,
-    /// Middle and radius of each bird's breast, pixels.
-    breasts: Vec<[f32; 3]>,
-}
-
 /// What is judged.
 #[derive(Parser)]
 struct Args {
@@ -50,15 +41,6 @@ struct Args {
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let args = Args::parse();
-    let (picture, mask) = (
-        image::open(&args.picture)?.to_rgb8(),
-        image::open(&args.mask)?.to_rgb8(),
-    );
-    let said: Said = serde_json::from_slice(&std::fs::read(args.mask.with_extension("json"))?)?;
-    if picture.dimensions() != mask.dimensions() {
-        return Err("the two pictures differ in size".into());
-    }
-    let width = picture.width() as usize;
     let species = match args.bird {
         Bird::Parrot => Species::Macaw,
         Bird::Eagle => Species::Eagle,
@@ -70,16 +52,11 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         SeenFrom::Back => View::Back,
         SeenFrom::Head => View::Head,
     };
-    let subject = Subject::new(
-        picture.as_raw(),
-        mask.as_raw(),
-        width,
-        said.mm_per_pixel,
-        &said.breasts,
-    );
+    let subject = Subject::open(&args.picture, &args.mask)?;
     if let Some(file) = &args.marks {
         let marks = subject.marks(species);
-        image::RgbImage::from_raw(picture.width(), picture.height(), marks)
+        let (width, height) = subject.size();
+        image::RgbImage::from_raw(width as u32, height as u32, marks)
             .ok_or("the picture has another size")?
             .save(file)?;
     }

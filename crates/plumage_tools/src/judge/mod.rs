@@ -9,6 +9,8 @@ mod color;
 use bevy::color::Srgba;
 use blur::gaussian;
 use color::{LUMINANCE, hsv, is_mauve, is_olive};
+use serde::Deserialize;
+use std::{error::Error, fs, path::Path};
 
 /// Most specks among 10,000 pixels: photographs have 0.8 to 3.3.
 const SPECKS: f32 = 5.0;
@@ -87,6 +89,15 @@ pub struct Subject {
     breast: Vec<usize>,
 }
 
+/// What the JSON beside a mask says.
+#[derive(Deserialize)]
+struct Said {
+    /// What a pixel measures on the bird, millimetres.
+    mm_per_pixel: f32,
+    /// Middle and radius of each bird's breast, pixels.
+    breasts: Vec<[f32; 3]>,
+}
+
 fn median(mut values: Vec<f32>) -> f32 {
     if values.is_empty() {
         return 0.0;
@@ -96,6 +107,35 @@ fn median(mut values: Vec<f32>) -> f32 {
 }
 
 impl Subject {
+    /// Of a picture and the mask that an example has written for it (`--shot`, `--masks`), beside which a JSON file says what a pixel
+    /// measures and where the breasts are.
+    ///
+    /// # Errors
+    /// If a file is missing or cannot be read, or the two pictures differ in size.
+    pub fn open(picture: &Path, mask: &Path) -> Result<Self, Box<dyn Error>> {
+        let said: Said = serde_json::from_slice(&fs::read(mask.with_extension("json"))?)?;
+        let (picture, mask) = (
+            image::open(picture)?.to_rgb8(),
+            image::open(mask)?.to_rgb8(),
+        );
+        if picture.dimensions() != mask.dimensions() {
+            return Err("the two pictures differ in size".into());
+        }
+        let width = picture.width() as usize;
+        Ok(Self::new(
+            &picture,
+            &mask,
+            width,
+            said.mm_per_pixel,
+            &said.breasts,
+        ))
+    }
+
+    /// Width and height, pixels.
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
     /// Of bytes RGB. In a mask of the same camera feathers have any color but blue, bill, eyes, feet and bare skin are blue, things
     /// that may hide a part of it are dark blue, the rest is black. `scale`: what a pixel measures on the bird, millimetres; `breasts`: middle and radius of circles that show feathers of the
     /// breast alone, pixels.

@@ -233,6 +233,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: lesser_micro,
             fringe: 0.03,
             gaps: gaps(2, 0.008, 0.3, 18),
+            // Narrower rims than on the body, and less dark: coverts lie close.
             albedo: rimmed(body(0.36, BASE, AMBER, SCARLET), 0.12, 0xA61F18, 0.2),
             ..contour.clone()
         },
