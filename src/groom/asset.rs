@@ -243,7 +243,7 @@ pub struct Segments {
     /// Along the rachis, 1..64.
     #[reflect(@Parameter::new("", 1.0, 64.0))]
     pub along: u8,
-    /// Across it, 1..16.
+    /// Across it, 1..16; even numbers have vertices along the shaft, where light at vertices needs them.
     #[reflect(@Parameter::new("", 1.0, 16.0))]
     pub across: u8,
 }

@@ -58,6 +58,7 @@ pub fn constant_layouts() -> Vec<ConstantLayout> {
             ("PARTS", header::PARTS),
             ("CAUGHT", header::CAUGHT),
             ("MIRRORS", header::MIRRORS),
+            ("PAINT", header::PAINT),
             ("STACK_SIDE", stack::SIDE),
             ("STACK_TURN", stack::TURN),
             ("STACK_ROWS", stack::ROWS),

@@ -190,6 +190,7 @@ fn multiple_scattering_returns_the_wanted_albedo() {
     for p in [0.0, 0.3, 0.5, 0.9] {
         for a in [0.0, 0.1, 0.5, 1.0_f64] {
             let one = single_scattering_albedo([a; 3], p);
+            assert!((shown_albedo(one[0], p) - a).abs() < 1e-12);
             for parallel in [0.0, PARALLEL_MEETINGS] {
                 let more = multiple_scattering(one, [p; 3], parallel);
                 let all = more.cone[0] * (1.0 - p) * one[0] + more.spread[0];

@@ -19,6 +19,8 @@ pub struct Stack {
 
 const LENGTH: f32 = 0.16;
 const WIDTH: f32 = 0.09;
+/// Vertices of a card, along and across: as the groom makes them.
+const GRID: [usize; 2] = [4, 3];
 
 impl Stack {
     /// `count` feathers between the origin and 4 cm behind it.
@@ -86,7 +88,7 @@ impl Stack {
         quality.settings.shelter = 0.0;
         let geometry = CardGeometry {
             first_vertex: 0,
-            vertex_count: 4,
+            vertex_count: (GRID[0] * GRID[1]) as u32,
         };
         let geometry = vec![geometry; cards.len()];
         world.entity_mut(entity).insert((
@@ -130,13 +132,16 @@ fn card(index: usize, count: usize) -> Card {
     }
 }
 
-/// One flat quad per card; nearest first, which is the wrong order for blending.
+/// One flat grid per card; nearest first, which is the wrong order for blending.
 fn sheet(cards: &[Card], depth: f32) -> Mesh {
     let (mut positions, mut uvs, mut ids, mut tangents, mut indices) =
         (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (i, card) in cards.iter().enumerate() {
         let side = card.along.cross(card.normal);
-        for (u, v) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+        let first = positions.len() as u32;
+        for at in 0..GRID[0] * GRID[1] {
+            let u = (at % GRID[1]) as f32 / (GRID[1] - 1) as f32;
+            let v = (at / GRID[1]) as f32 / (GRID[0] - 1) as f32;
             let place =
                 card.root + side * ((u - 0.5) * card.width) + card.along * (v * card.length);
             positions.push((place - Vec3::Z * depth).to_array());
@@ -144,8 +149,13 @@ fn sheet(cards: &[Card], depth: f32) -> Mesh {
             ids.push([i as f32, 0.0]);
             tangents.push(card.along.extend(-1.0).to_array());
         }
-        let k = 4 * i as u32;
-        indices.extend([k, k + 1, k + 2, k, k + 2, k + 3]);
+        let wide = GRID[1] as u32;
+        for row in 0..GRID[0] as u32 - 1 {
+            for column in 0..wide - 1 {
+                let k = first + row * wide + column;
+                indices.extend([k, k + 1, k + wide + 1, k, k + wide + 1, k + wide]);
+            }
+        }
     }
     let count = positions.len();
     Mesh::new(

@@ -70,7 +70,7 @@ pub fn fibre_color<T: Real>(p: &FibreParameters<T>, albedo: [T; 3]) -> FibreColo
     let series = p.round_trips;
     let mut color = FibreColor::white();
     for (c, &a) in albedo.iter().enumerate() {
-        let y = (clamp(a, f + real(0.002), real(0.995)) - f) / (one - f);
+        let y = (clamp(a, p.darkest(), real(0.995)) - f) / (one - f);
         if p.structural {
             color.core[c] = clamp(y / (one - series + series * y), T::zero(), one);
         }
@@ -98,6 +98,14 @@ pub fn single_scattering_albedo<T: Real>(albedo: [T; 3], meeting: T) -> [T; 3] {
         let root = (b * b + shown * (p + p - one)).max(zero).sqrt();
         (shown + shown) / (b + root)
     })
+}
+
+/// What dense plumage shows of fibres of `albedo` (0..1): the inverse of [`single_scattering_albedo`].
+pub fn shown_albedo<T: Real>(albedo: T, meeting: T) -> T {
+    let one = T::one();
+    let p = clamp(meeting, T::zero(), real(0.99));
+    let later = real::<T>(0.5) * p + real(0.25);
+    (one - p) * albedo + p * (one - later) * albedo * albedo / (one - later * albedo)
 }
 
 /// Of the meetings with further fibres, the share with fibres parallel to the first, where a fibre mirrors: light that met no others

@@ -37,6 +37,13 @@ pub struct FibreParameters<T> {
     pub spread: [LongitudinalSpread<T>; 4],
 }
 
+impl<T: Real> FibreParameters<T> {
+    /// Least albedo that color gives a fibre: its surface reflects alone.
+    pub fn darkest(&self) -> T {
+        self.fresnel + real(0.002)
+    }
+}
+
 /// Unpacks three vec4s: `a` = (longitudinal roughness, azimuthal roughness, tilt, aspect), `b` = (eta, 1 for a structural
 /// fibre or 0, core or medulla radius, mean Fresnel), `c` = (k t, t, scattering of the medulla, share of round trips).
 ///

@@ -6,7 +6,7 @@ use crate::{
 };
 
 /// vec4s of a feather's header.
-pub const HEADER_LENGTH: usize = 46;
+pub const HEADER_LENGTH: usize = 48;
 /// Where the parts of a feather's header begin, in vec4s.
 pub mod header {
     /// Aspect, length in metres, root of the lowest barb, 1: a dark back.
@@ -26,6 +26,9 @@ pub mod header {
     pub const CAUGHT: usize = 44;
     /// Where mirror lobes leave barbs and barbules: azimuthal roughness, share of the way from the normal half way; both twice.
     pub const MIRRORS: usize = 45;
+    /// Two, barbs and barbules: the darkest painted color by which they differ, seen from the front and from the back (below, nothing shows
+    /// of a fibre but its surface, [`shown_albedo`](crate::maths::scattering::shown_albedo)); the palest.
+    pub const PAINT: usize = 46;
 }
 /// vec4s of one feather.
 pub const FEATHER_STRIDE: usize = HEADER_LENGTH

@@ -9,7 +9,7 @@ use crate::{
     maths::query::{CardVane, Vane, vane_shape},
     maths::scattering::{
         FIBRE_ROW_VEC4S, FIBRE_ROWS, Fibre, FibreTable, KEPT_AZIMUTHS, KEPT_LEVELS,
-        SHORT_TABLE_VEC4S, kept_light, mean_caught, mirror_place, sheen_row,
+        SHORT_TABLE_VEC4S, kept_light, mean_caught, mirror_place, sheen_row, shown_albedo,
     },
 };
 
@@ -160,6 +160,9 @@ impl Kept {
     }
 }
 
+/// Palest color of a fibre, as the shaders have it.
+const WHITEST: f32 = 0.98;
+
 fn pack_feather(
     feather: &Feather,
     rows: &mut Vec<[f32; 4]>,
@@ -228,6 +231,19 @@ fn pack_feather(
     let [barb, barbule] = [1, 2].map(|slot| mirror_place(&found.tables[index[slot] as usize].1));
     let mirrors = [barb.blur, barb.retreat, barbule.blur, barbule.retreat];
     put(header::MIRRORS, &[mirrors.map(|x| x as f32)]);
+    let paint = |part: usize| -> [f32; 4] {
+        let fibre = found.tables[index[part] as usize].1.fibre();
+        let share = shares[part].max(1e-3);
+        let dark =
+            |face: &[f32; 4]| shown_albedo(fibre.darkest(), f64::from(face[part])) as f32 / share;
+        [
+            dark(front),
+            dark(back),
+            WHITEST / share,
+            f32::from(u8::from(fibre.structural)),
+        ]
+    };
+    put(header::PAINT, &[paint(1), paint(2)]);
     rows.extend(head);
     rows.extend_from_slice(&shape.rachis);
     rows.extend_from_slice(&shape.contour);

@@ -21,7 +21,7 @@
 #import bevy_plumage::feather_fibre::short_part
 #endif
 #ifdef LIT_VERTICES
-#import bevy_plumage::feather_vertex_light::{light_response, paint_over, response_of}
+#import bevy_plumage::feather_vertex_light::{answer, light_response, paint_over, response_of}
 #endif
 #ifdef DEBUG_VIEW
 #import bevy_plumage::feather_debug::{VIEW_LOBE, debug_color}
@@ -209,14 +209,13 @@ fn shade(
     let around = light::environment(seen, eye_side, reflect(-frame.eye, eye_side), 0.6);
     let behind = light::environment(seen, -eye_side, -frame.eye, 0.8);
     let response = response_of(in, covered.right, covered.weights.x / opacity);
-    let paint = paint_over(albedo);
-    var sum = open_sky(in.uv.y) * (around.radiance * response.sky + around.irradiance * (response.front * paint)
-        + behind.irradiance * (response.back * paint));
+    let paint = paint_over(base, albedo, frame.local_eye.z >= 0.0);
+    var sum = open_sky(in.uv.y) * (around.radiance * response.sky + around.irradiance * answer(response.front, paint)
+        + behind.irradiance * answer(response.back, paint));
     let lights = light::lights_of(seen);
     for (var i = 0u; i < lights.count; i++) {
         let found = light::light_at(seen, lights, i);
-        let answer = light_response(in, response, found.direction);
-        sum += found.color * (answer.rgb * paint + answer.w);
+        sum += found.color * answer(light_response(in, response, found.direction), paint);
     }
     return max(sum, vec3(0.0)) * light::exposure();
 }

@@ -5,14 +5,14 @@
 // Buffer header: (feather count, first fibre table, fibre table count, first short table).
 const FEATHERS_BASE: u32 = 1u;
 // One feather: header, rachis table, contour table, sheen row, kept light.
-const HEADER_LENGTH: u32 = 46u;
+const HEADER_LENGTH: u32 = 48u;
 const RACHIS_SAMPLES: u32 = 64u;
 const CONTOUR_SAMPLES: u32 = 256u;
 const SHEEN_SAMPLES: u32 = 32u;
 // Levels and azimuths of the eye's direction in the table of kept light.
 const KEPT_LEVELS: u32 = 10u;
 const KEPT_AZIMUTHS: u32 = 8u;
-const FEATHER_STRIDE: u32 = 1678u;
+const FEATHER_STRIDE: u32 = 1680u;
 // Inside the header.
 const SHAPE: u32 = 0u;       // aspect, length in metres, contour start, dark back
 const LEFT_VANE: u32 = 1u;   // 5: sin/cos of barb angle and barbule angle; p_b, d_bl, r_b, r_bd; r_bp, fringe, downy, kappa; e_root and one over
@@ -23,6 +23,7 @@ const FIBRES: u32 = 12u;     // 4 x 7: rachis, barb, distal, proximal
 const PARTS: u32 = 40u;      // 4: factor on the painted color; chance that light meets another fibre, seen from front and back; fibre table
 const CAUGHT: u32 = 44u;     // one over the integral of what the vane catches over the sphere
 const MIRRORS: u32 = 45u;    // azimuthal roughness of barbs, where their mirror lobes leave them; the same of barbules
+const PAINT: u32 = 46u;       // 2, barbs and barbules: darkest painted color by which they differ, seen from front and back; palest
 // After the header. Kept light: seen from front and back; of each of the four; from the eye's side and the other; level; azimuth.
 const KEPT: u32 = HEADER_LENGTH + RACHIS_SAMPLES + CONTOUR_SAMPLES + SHEEN_SAMPLES;
 

@@ -36,7 +36,8 @@ struct FeatherVertex {
     @location(6) @interpolate(flat) visibility_range_dither: i32,
 #endif
 #ifdef LIT_VERTICES
-    // What both vanes make of light, see VaneResponse.
+    // What both vanes make of light, see VaneResponse; w of the first: of the mirrored sky; w of the second: direction to the first light;
+    // w of the others: what a black shaft makes of the lights (left) and of the sky in front and behind (right).
     @location(7) left_first: vec4<f32>,
     @location(8) left_second: vec4<f32>,
     @location(9) left_front: vec4<f32>,
@@ -45,7 +46,7 @@ struct FeatherVertex {
     @location(12) right_second: vec4<f32>,
     @location(13) right_front: vec4<f32>,
     @location(14) right_back: vec4<f32>,
-    // What the shaft makes of it.
+    // What the paint of the shaft adds.
     @location(15) shaft: vec4<f32>,
 #endif
 #ifdef PREPASS_PIPELINE

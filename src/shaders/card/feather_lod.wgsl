@@ -39,6 +39,9 @@ const LIT_PIXELS: vec2<f32> = vec2(37.0, 43.0);
 // Over the distance where averages begin to do, less 1: all of a card is lit there.
 const LIT_FAR: f32 = 0.25;
 
+// Least vertices of a card that is lit at them: two columns and rows beside one another, for shaft and downy base.
+const LIT_VERTICES: u32 = 9u;
+
 // The least of the cosines between a card's normal and eye and lights.
 fn least_facing(normal: vec3<f32>, eye: vec3<f32>) -> f32 {
     let lights = abs(vec2(dot(normal, lods::params.first_light.xyz), dot(normal, lods::params.second_light.xyz)));
@@ -64,8 +67,8 @@ fn eye_of(place: vec3<f32>) -> vec3<f32> {
     return select(normalize(lods::view.world_position - place), lods::view.world_from_view[2].xyz, is_orthographic);
 }
 
-// Class of a card, as data::lod_bits. `world_from_local`: at the root.
-fn classify_card(card: data::Card, world_from_local: mat4x4<f32>) -> u32 {
+// Class of a card of so many vertices, as data::lod_bits. `world_from_local`: at the root.
+fn classify_card(card: data::Card, vertex_count: u32, world_from_local: mat4x4<f32>) -> u32 {
     let center = (world_from_local * vec4(card.center, 1.0)).xyz;
     // The largest stretch of the matrix bounds the sphere; the stretch along the rachis scales the feather.
     let stretch = max(length(world_from_local[0].xyz), max(length(world_from_local[1].xyz), length(world_from_local[2].xyz)));
@@ -95,7 +98,7 @@ fn classify_card(card: data::Card, world_from_local: mat4x4<f32>) -> u32 {
     let left = classify_bounds(vanes[0], minor, major, lods::params.threshold);
     let right = classify_bounds(vanes[1], minor, major, lods::params.threshold);
     let level = select(data::CARD_MIXED, left, left == right);
-    if (level != data::CARD_MEAN || lods::params.light_budget <= 0.0) {
+    if (level != data::CARD_MEAN || lods::params.light_budget <= 0.0 || vertex_count < LIT_VERTICES) {
         return level;
     }
     let world_normal = normalize((world_from_local * vec4(card.normal, 0.0)).xyz);
@@ -118,7 +121,8 @@ fn classify(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let card = card_at(id.x);
     let world_from_local = lods::blended(card.joints, card.weights);
-    let level = classify_card(card, world_from_local);
+    let vertex_count = lods::patches[min(id.x, arrayLength(&lods::patches) - 1u)].y;
+    let level = classify_card(card, vertex_count, world_from_local);
     lods::lod[id.x] = level;
     if (lods::params.hides == 0u) {
         atomicAdd(&lods::grid[min(data::lod_class(level), data::CARD_HIDDEN)], 1u);

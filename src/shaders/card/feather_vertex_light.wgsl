@@ -6,7 +6,7 @@
     feather_bindings::{albedo_sampler, albedo_texture, feather_at, feather_base, motion, rachis_at, settings, shape_at, sheen_at},
     feather_cover::{Covered, Frame, frame_of},
     feather_data as data,
-    feather_fibre::{DISTAL, fibre_tangent, in_fibre, short_part},
+    feather_fibre::{BARB, DISTAL, fibre_tangent, in_fibre, short_part},
     feather_io::FeatherVertex,
     feather_shadow::{Reaches, caught_light, kept_light, kept_place, light_ray, reach_of, reaches_of, shadowing_of},
     footprint::Footprint,
@@ -19,8 +19,8 @@
 
 // Directional lights that are followed.
 const VERTEX_LIGHTS: u32 = 2u;
-// What a response is divided by is the painted color and this, so that black feathers divide by something.
-const LEAST_PAINT: f32 = 0.004;
+// Darkest paint that a response is found for: darker ones show little but the surface of the fibres.
+const LEAST_PAINT: f32 = 0.15;
 // Levels of the albedo below the smallest one: a vertex takes the color around it.
 const AROUND: u32 = 3u;
 // Share of the card's width by which the shaft may lie beside its middle, so that a vane ends where the vertices of the middle are.
@@ -28,16 +28,35 @@ const STRAIGHT: f32 = 0.06;
 // Share of the width, from the middle, within which both vanes meet.
 const EDGE: f32 = 0.25;
 
-// Radiance to the eye per irradiance. Of each light: for every channel per painted color, then what has no color. Of the sky in front and
-// behind, per painted color; per radiance of the mirrored sky. Of the shaft beside the vane: of the lights and the sky per painted color,
-// the mean of the channels.
+// Radiance to the eye per irradiance, of each light and of the sky in front and behind: of barbs and of barbules, each per its paint_over,
+// and of black paint; per radiance of the mirrored sky. Of the shaft beside the vane, of the lights and the sky: per paint of barbs, and black.
 struct VaneResponse {
-    first: vec4<f32>,
-    second: vec4<f32>,
+    first: vec3<f32>,
+    second: vec3<f32>,
     front: vec3<f32>,
     back: vec3<f32>,
     sky: f32,
     shaft: vec4<f32>,
+    black_shaft: vec4<f32>,
+}
+
+// What a painted color adds to black barbs, and to barbules, but for a factor: nothing up to the one that the surface of the fibres
+// reflects, then evenly more, up to white ones.
+struct Paint {
+    barbs: vec3<f32>,
+    barbules: vec3<f32>,
+}
+
+// `palette`: of header PAINT.
+fn paint_added(albedo: vec3<f32>, palette: vec4<f32>, front: bool) -> vec3<f32> {
+    return max(min(albedo, vec3(palette.z)) - select(palette.y, palette.x, front), vec3(0.0));
+}
+
+fn paint_over(base: u32, albedo: vec3<f32>, front: bool) -> Paint {
+    return Paint(
+        paint_added(albedo, feather_at(base + data::PAINT), front),
+        paint_added(albedo, feather_at(base + data::PAINT + 1u), front),
+    );
 }
 
 #ifdef LIT_VERTICES
@@ -46,28 +65,34 @@ const SAME_LIGHT: f32 = 0.995;
 
 // A vane's, interpolated, mixed with the share of the shaft in what is seen.
 fn response_of(in: FeatherVertex, right: bool, shaft: f32) -> VaneResponse {
-    let front = select(in.left_front, in.right_front, right);
+    let first = select(in.left_first, in.right_first, right);
     let vane = 1.0 - shaft;
-    let dull = vec4(vec3(shaft), 0.0);
+    // It is 0 at the edges.
+    let there = shaft / max(1.0 - 2.0 * abs(in.uv.x - 0.5), 0.5);
+    let painted = there * in.shaft;
+    let black = there * vec4(in.left_front.w, in.left_back.w, in.right_front.w, in.right_back.w);
     return VaneResponse(
-        vane * select(in.left_first, in.right_first, right) + dull * in.shaft.x,
-        vane * select(in.left_second, in.right_second, right) + dull * in.shaft.y,
-        vane * front.rgb + shaft * in.shaft.z,
-        vane * select(in.left_back, in.right_back, right).rgb + shaft * in.shaft.w,
-        vane * front.w,
-        in.shaft,
+        vane * first.xyz + vec3(painted.x, 0.0, black.x),
+        vane * select(in.left_second, in.right_second, right).xyz + vec3(painted.y, 0.0, black.y),
+        vane * select(in.left_front, in.right_front, right).xyz + vec3(painted.z, 0.0, black.z),
+        vane * select(in.left_back, in.right_back, right).xyz + vec3(painted.w, 0.0, black.w),
+        vane * first.w,
+        painted,
+        black,
     );
 }
 
 // To which of the lights a fragment's light belongs: there are no others than those of the vertices.
-fn light_response(in: FeatherVertex, response: VaneResponse, direction: vec3<f32>) -> vec4<f32> {
-    let first = data::octahedral(vec2(in.left_back.w, in.right_back.w));
+fn light_response(in: FeatherVertex, response: VaneResponse, direction: vec3<f32>) -> vec3<f32> {
+    let first = data::octahedral(vec2(in.left_second.w, in.right_second.w));
     return select(response.second, response.first, dot(first, direction) > SAME_LIGHT);
 }
-#endif
 
-// What the responses per painted color are multiplied with.
-fn paint_over(albedo: vec3<f32>) -> vec3<f32> { return albedo + LEAST_PAINT; }
+// Of every channel.
+fn answer(response: vec3<f32>, paint: Paint) -> vec3<f32> {
+    return response.x * paint.barbs + response.y * paint.barbules + response.z;
+}
+#endif
 
 // Of one vane at a height on the rachis, `aside` of the card's width from the middle; of the shaft, too, where that is 0. `present`: which
 // of the lights there are; the others answer nothing.
@@ -77,11 +102,17 @@ fn vane_response(
     height: f32,
     aside: f32,
     frame: Frame,
-    albedo: vec3<f32>,
+    painted: vec3<f32>,
     lights: array<vec3<f32>, VERTEX_LIGHTS>,
     present: vec2<bool>,
 ) -> VaneResponse {
     let front = frame.local_eye.z >= 0.0;
+    // The brightest channel; what the others are follows from the paint. Of structural fibres, which follow it less, one between.
+    let most = max(max(painted.x, painted.y), painted.z);
+    let second = painted.x + painted.y + painted.z - most - min(min(painted.x, painted.y), painted.z);
+    let bright = max(mix(most, second, 0.5 * feather_at(base + data::PAINT).w), LEAST_PAINT);
+    let added = paint_over(base, vec3(bright), front);
+    let per_paint = 1.0 / max(vec2(added.barbs.x, added.barbules.x), vec2(1e-3));
     let header = feather_at(base + data::SHAPE);
     let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
     let shear = rachis_at(base, height).y * header.x;
@@ -106,14 +137,19 @@ fn vane_response(
 
     let fuzz = feather_at(base + data::SHEEN);
     let sheen = sheen_at(base, sheen_place(abs(frame.local_eye.z)));
-    let tint = sheen_tint(albedo * feather_at(base + data::PARTS + DISTAL).x);
+    // Bright, and black.
+    let share = feather_at(base + data::PARTS + DISTAL).x;
+    let tint = vec2(sheen_tint(vec3(bright * share)).x, sheen_tint(vec3(0.0)).x);
+    let shown = sheen_tint(painted * share);
     let fuzz_albedo = sheen_albedo(sheen, fuzz.x);
-    let base_share = 1.0 - fuzz_albedo * max(max(tint.x, tint.y), tint.z);
+    let base_share = 1.0 - fuzz_albedo * max(max(shown.x, shown.y), shown.z);
     let up = vec3(0.0, 0.0, select(-1.0, 1.0, front));
 
-    var lit = array<vec4<f32>, VERTEX_LIGHTS>();
-    var ahead = vec4(fuzz_albedo * tint, 0.0);
-    var beyond = vec4(0.0);
+    // Sheen colors as barbules do.
+    let fuzzy = vec3(0.0, (tint.x - tint.y) * per_paint.y, tint.y);
+    var lit = array<vec3<f32>, VERTEX_LIGHTS>();
+    var ahead = fuzz_albedo * fuzzy;
+    var beyond = vec3(0.0);
     var mirrored = 0.0;
     var caught = array<f32, VERTEX_LIGHTS>();
     var reaches = array<Reaches, VERTEX_LIGHTS>();
@@ -124,10 +160,11 @@ fn vane_response(
         let ray = light_ray(shadowing, lights[i]);
         caught[i] = caught_light(shadowing, ray);
         reaches[i] = reaches_of(shadowing, ray);
-        lit[i] = vec4(fuzz.x * tint * sheen_evaluate(sheen, up, frame.local_eye, lights[i]), 0.0);
+        lit[i] = fuzz.x * sheen_evaluate(sheen, up, frame.local_eye, lights[i]) * fuzzy;
     }
     let angles = feather_at(slot);
     var shaft = vec4(0.0);
+    var black_shaft = vec4(0.0);
     for (var part = 0u; part < 4u; part++) {
         if (shares[part] <= 0.0) {
             continue;
@@ -150,6 +187,7 @@ fn vane_response(
         }
         let surface = shading.energy.x * vec2(before.x, after.x);
         let weight = shares[part] * base_share;
+        let of_part = vec3(select(vec2(0.0, per_paint.y), vec2(per_paint.x, 0.0), part <= BARB), 0.0);
         var lobes = array<short::ShortLobes, VERTEX_LIGHTS>();
         var arriving = array<FibreReach, VERTEX_LIGHTS>();
         for (var i = 0u; i < VERTEX_LIGHTS; i++) {
@@ -159,13 +197,10 @@ fn vane_response(
             lobes[i] = short::short_lobes(shading, in_fibre(tangent, frame.hand, lights[i]));
             arriving[i] = reach_of(reaches[i], part, shadowing.lower, lobes[i].turn, false);
         }
-        let inside = single_scattering_albedo(min(albedo * about.x, vec3(0.98)), meets);
-        for (var c = 0u; c < 4u; c++) {
-            // A black fibre has its surface alone.
-            var color = short::ShortColor();
-            if (c < 3u) {
-                color = short::short_color(shading, inside[c], frequency);
-            }
+        let inside = single_scattering_albedo(vec3(min(bright * about.x, 0.98)), meets).x;
+        for (var c = 0u; c < 2u; c++) {
+            let color = short::short_color(shading, select(0.0, inside, c == 0u), frequency);
+            let counts = select(vec3(0.0, 0.0, 1.0) - of_part, of_part, c == 0u);
             let second = shading.energy.y * clearness * color.second;
             let medulla = shading.energy.z * color.scattered;
             let from_front = second * kept_second.x + medulla * before.w;
@@ -182,25 +217,19 @@ fn vane_response(
                 own[i] = again.y * short::short_lit(shading, color, lobes[i], arriving[i]) + again.x * caught[i];
             }
             if (part == 0u) {
-                shaft += select(weight, 0.0, c == 3u) * vec4(own, there + vec2(again.y * surface.x, 0.0));
+                let seen = weight * vec4(own, there + vec2(again.y * surface.x, 0.0));
+                shaft += select(-per_paint.x, per_paint.x, c == 0u) * seen;
+                black_shaft += select(1.0, 0.0, c == 0u) * seen;
                 continue;
             }
-            ahead[c] += weight * there.x;
-            beyond[c] += weight * there.y;
-            mirrored += 0.25 * weight * again.y * surface.x;
-            lit[0][c] += weight * own.x;
-            lit[1][c] += weight * own.y;
+            ahead += weight * there.x * counts;
+            beyond += weight * there.y * counts;
+            mirrored += 0.5 * weight * again.y * surface.x;
+            lit[0] += weight * own.x * counts;
+            lit[1] += weight * own.y * counts;
         }
     }
-    let per_paint = 1.0 / paint_over(albedo);
-    return VaneResponse(
-        vec4((lit[0].rgb - lit[0].w) * per_paint, lit[0].w),
-        vec4((lit[1].rgb - lit[1].w) * per_paint, lit[1].w),
-        ahead.rgb * per_paint,
-        beyond.rgb * per_paint,
-        mirrored,
-        shaft / dot(paint_over(albedo), vec3(1.0)),
-    );
+    return VaneResponse(lit[0], lit[1], ahead, beyond, mirrored, shaft, black_shaft);
 }
 
 // The vertex with what both vanes make of light there.
@@ -237,16 +266,18 @@ fn light_vertex(placed: FeatherVertex) -> FeatherVertex {
             found = vane_response(base, select(edge_is_right, right, both), placed.uv.y, aside, frame, albedo, lights, present);
         }
         if (right) {
-            out.right_first = found.first;
-            out.right_second = found.second;
-            out.right_front = vec4(found.front, found.sky);
-            out.right_back = vec4(found.back, first.y);
+            out.right_first = vec4(found.first, found.sky);
+            out.right_second = vec4(found.second, first.y);
+            out.right_front = vec4(found.front, found.black_shaft.z);
+            out.right_back = vec4(found.back, found.black_shaft.w);
+            out.left_front.w = found.black_shaft.x;
+            out.left_back.w = found.black_shaft.y;
             out.shaft = found.shaft;
         } else {
-            out.left_first = found.first;
-            out.left_second = found.second;
-            out.left_front = vec4(found.front, found.sky);
-            out.left_back = vec4(found.back, first.x);
+            out.left_first = vec4(found.first, found.sky);
+            out.left_second = vec4(found.second, first.x);
+            out.left_front = vec4(found.front, 0.0);
+            out.left_back = vec4(found.back, 0.0);
         }
     }
 #endif
