@@ -253,7 +253,7 @@ pub(super) fn all() -> Vec<Template> {
             right: LANCET,
             fringe: 0.3,
             gaps: gaps(12, 0.012, 0.7, 43),
-            albedo: streaked(0.46, SIDES, 0.8),
+            albedo: streaked(0.46, SIDES, 0.95),
             matte: true,
             ..contour.clone()
         },
