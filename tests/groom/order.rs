@@ -65,7 +65,7 @@ const BOUNDS: [Bounds; 3] = [
     Bounds {
         name: "eagle",
         quiet: [(2.06, 0.06), (0.42, 0.03)],
-        stretch: (4.05, [(1.2, 0.06), (0.21, 0.02)]),
+        stretch: (4.05, [(1.2, 0.06), (0.21, 0.025)]),
     },
     Bounds {
         name: "owl",
