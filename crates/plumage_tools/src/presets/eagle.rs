@@ -14,7 +14,7 @@ const RIM: u32 = 0x665648;
 /// Paler sides of the body's feathers, between which the dark middle is a streak.
 const SIDES: u32 = 0x967457;
 /// The same of belly and thighs.
-const BELLY: u32 = 0x6C523E;
+const BELLY: u32 = 0x806549;
 /// That streak.
 const STREAK: u32 = 0x0F0A06;
 
