@@ -11,6 +11,6 @@ pub fn vertex_light_error<T: Real>(turn: T, facing: T) -> T {
     let half = turn * real(0.5 * std::f64::consts::PI / 180.0);
     let least = clamp(facing - half, T::zero(), T::one());
     let along = T::one() - smooth_step(T::zero(), real(0.5), least);
-    let edge = T::one() - smooth_step(T::zero(), real(0.1), least);
+    let edge = T::one() - smooth_step(T::zero(), real(0.2), least);
     turn * (real::<T>(5.0e-5) + real::<T>(4.5e-4) * along + real::<T>(8.0e-3) * edge)
 }

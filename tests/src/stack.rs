@@ -15,12 +15,12 @@ pub struct Stack {
     shown: Option<(FeatherTransparency, bool)>,
     feather: Handle<Feather>,
     count: usize,
+    /// Vertices of a card, along and across.
+    pub grid: [usize; 2],
 }
 
 const LENGTH: f32 = 0.16;
 const WIDTH: f32 = 0.09;
-/// Vertices of a card, along and across: as the groom makes them.
-const GRID: [usize; 2] = [4, 3];
 
 impl Stack {
     /// `count` feathers between the origin and 4 cm behind it.
@@ -36,6 +36,8 @@ impl Stack {
             shown: None,
             feather,
             count,
+            // As the groom makes them.
+            grid: [4, 3],
         }
     }
 
@@ -79,7 +81,7 @@ impl Stack {
         };
         let mesh = world
             .resource_mut::<Assets<Mesh>>()
-            .add(sheet(&cards, depth));
+            .add(sheet(&cards, depth, self.grid));
         let entity = world.spawn_empty().id();
         let mut quality = FeatherQuality {
             transparency: way,
@@ -88,7 +90,7 @@ impl Stack {
         quality.settings.shelter = 0.0;
         let geometry = CardGeometry {
             first_vertex: 0,
-            vertex_count: (GRID[0] * GRID[1]) as u32,
+            vertex_count: self.grid.iter().product::<usize>() as u32,
         };
         let geometry = vec![geometry; cards.len()];
         world.entity_mut(entity).insert((
@@ -133,15 +135,15 @@ fn card(index: usize, count: usize) -> Card {
 }
 
 /// One flat grid per card; nearest first, which is the wrong order for blending.
-fn sheet(cards: &[Card], depth: f32) -> Mesh {
+fn sheet(cards: &[Card], depth: f32, [rows, columns]: [usize; 2]) -> Mesh {
     let (mut positions, mut uvs, mut ids, mut tangents, mut indices) =
         (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (i, card) in cards.iter().enumerate() {
         let side = card.along.cross(card.normal);
         let first = positions.len() as u32;
-        for at in 0..GRID[0] * GRID[1] {
-            let u = (at % GRID[1]) as f32 / (GRID[1] - 1) as f32;
-            let v = (at / GRID[1]) as f32 / (GRID[0] - 1) as f32;
+        for at in 0..rows * columns {
+            let u = (at % columns) as f32 / (columns - 1) as f32;
+            let v = (at / columns) as f32 / (rows - 1) as f32;
             let place =
                 card.root + side * ((u - 0.5) * card.width) + card.along * (v * card.length);
             positions.push((place - Vec3::Z * depth).to_array());
@@ -149,8 +151,8 @@ fn sheet(cards: &[Card], depth: f32) -> Mesh {
             ids.push([i as f32, 0.0]);
             tangents.push(card.along.extend(-1.0).to_array());
         }
-        let wide = GRID[1] as u32;
-        for row in 0..GRID[0] as u32 - 1 {
+        let wide = columns as u32;
+        for row in 0..rows as u32 - 1 {
             for column in 0..wide - 1 {
                 let k = first + row * wide + column;
                 indices.extend([k, k + 1, k + wide + 1, k, k + wide + 1, k + wide]);

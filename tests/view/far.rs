@@ -13,17 +13,17 @@ use plumage_tests::{
 
 /// Frames of a picture, each from another place in the pixel: with four samples each, 64 samples.
 const FRAMES: u32 = 16;
-/// A view: name, distance over that of the first, and what the differences may be at most (root mean square of 255; mean of FLIP, what 99
-/// of 100 pixels do not exceed, and its 99th percentile weighted by FLIP: where little is off, few pixels hold most of it).
+/// A view: name, distance over that of the first, and what the differences may be at most (root mean square of 255; mean and 99th
+/// percentile of FLIP, of pixels and of all of it).
 type View = (&'static str, f32, Difference);
-/// So small that few cards are lit at vertices.
+/// So small that few cards are lit at vertices: a hundredth of all FLIP lies in a few pixels.
 const SMALL: [View; 2] = [
-    ("small", 1.0, most(0.2, 0.0012, [0.03, 0.055])),
-    ("smaller", 2.5, most(0.2, 0.001, [0.03, 0.05])),
+    ("small", 1.0, most(0.2, 0.001, [0.02, 0.055])),
+    ("smaller", 2.5, most(0.2, 0.001, [0.02, 0.05])),
 ];
 const LARGE: [View; 2] = [
-    ("hero", 1.0, most(0.35, 0.003, [0.05, 0.085])),
-    ("far", 2.5, most(0.15, 0.0005, [0.01, 0.075])),
+    ("hero", 1.0, most(0.3, 0.003, [0.05, 0.085])),
+    ("far", 2.5, most(0.2, 0.001, [0.05, 0.05])),
 ];
 
 /// Pixels of the fine raster along the side of one of the coarse one.
@@ -33,12 +33,12 @@ const LIGHT: [f32; 2] = [0.96, 1.02];
 /// Largest mean of FLIP against the fine picture: footprints are Gaussians of a pixel, its pixels are squares.
 const FLIP: f32 = 0.03;
 
-const fn most(rmse: f32, flip: f32, [flip_pixels_99, flip_99]: [f32; 2]) -> Difference {
+const fn most(rmse: f32, flip: f32, [flip_99, flip_worst]: [f32; 2]) -> Difference {
     Difference {
         rmse,
         flip,
         flip_99,
-        flip_pixels_99,
+        flip_worst,
     }
 }
 
@@ -139,11 +139,9 @@ fn looks_exact((width, height): (u32, u32), views: [View; 2], least: usize) {
         for (what, picture) in [("exact", truth), ("shown", shown)] {
             save(&format!("far_{name}_{what}"), stage.size, picture);
         }
+        let worst = found.flip_99 <= most.flip_99 && found.flip_worst <= most.flip_worst;
         assert!(
-            found.rmse <= most.rmse
-                && found.flip <= most.flip
-                && found.flip_99 <= most.flip_99
-                && found.flip_pixels_99 <= most.flip_pixels_99,
+            found.rmse <= most.rmse && found.flip <= most.flip && worst,
             "{name}: {found:?}"
         );
     }

@@ -8,6 +8,7 @@ use bevy::{
 use bevy_plumage::{CARD_COUNTERS, prelude::*};
 use plumage_tests::{
     app::Stage,
+    stack::Stack,
     view::{counts, frames, mean, rms, spawn_patch},
 };
 
@@ -93,6 +94,25 @@ fn a_larger_budget_takes_in_more_cards() {
         before = now;
     }
     assert!(before > 0);
+}
+
+/// Between the corners of a quad neither the shaft nor the downy base is met.
+#[test]
+fn quads_are_left_to_the_fragments() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let mut stack = Stack::new(&mut stage, 8);
+    for (grid, expected) in [([4, 3], [8, 0]), ([2, 2], [0, 8])] {
+        stack.grid = grid;
+        stack.draw(
+            &mut stage,
+            Msaa::Sample4,
+            FeatherTransparency::AlphaToCoverage,
+            false,
+        );
+        assert_eq!(lit(&mut stage), expected, "{grid:?}");
+    }
 }
 
 /// Vertices follow two directional lights that every camera sees: where there are others, no card is lit by them.

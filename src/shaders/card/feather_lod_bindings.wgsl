@@ -47,7 +47,7 @@ const MEASURED: u32 = 2u;
 @group(0) @binding(4) var<storage, read_write> lod: array<u32>;
 @group(0) @binding(5) var<storage, read_write> grid: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read> joints: array<mat4x4<f32>>;
-// Of each card: first vertex, number of them; the rest is about another (`feather_lists`).
+// Of each card: first vertex, number of them, 0: not known; the rest is about another (`feather_lists`).
 @group(0) @binding(7) var<storage, read> patches: array<vec4<u32>>;
 @group(0) @binding(8) var<storage, read> vertices: array<u32>;
 @group(0) @binding(9) var<storage, read_write> measured: array<vec4<f32>>;

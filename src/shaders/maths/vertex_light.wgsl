@@ -6,6 +6,6 @@
 fn vertex_light_error(turn: f32, facing: f32) -> f32 {
     let least = clamp(facing - 0.00872664625997165 * turn, 0.0, 1.0);
     let along = 1.0 - smooth_step(0.0, 0.5, least);
-    let edge = 1.0 - smooth_step(0.0, 0.1, least);
+    let edge = 1.0 - smooth_step(0.0, 0.2, least);
     return turn * (5.0e-5 + 4.5e-4 * along + 8.0e-3 * edge);
 }

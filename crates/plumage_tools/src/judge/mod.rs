@@ -20,8 +20,6 @@ const STANDS_OUT: f32 = 0.12;
 const EDGE: usize = 2;
 /// Darkest that a mask shows where there is a bird, 0..1: a hundredth of a pixel.
 const SEEN: f32 = 0.1;
-/// Coverage, as a mask shows it, from which a pixel beside the body counts: an eighth of a pixel. Less is not seen before what is around.
-const STRAY: f32 = 0.388;
 /// Darkest blue of a bill or a foot in a mask; darker ones are things around the bird.
 const BODY: f32 = 0.5;
 /// Finest scale at which contrast is measured, millimetres on the bird: half a pixel of the photographs.
@@ -83,8 +81,6 @@ pub struct Subject {
     pixels: Vec<[f32; 3]>,
     /// Where the bird is.
     mask: Vec<bool>,
-    /// Where so much of it is that it is seen before what is around.
-    clear: Vec<bool>,
     /// Where its feathers are: not bill, eyes, feet and bare skin.
     feathers: Vec<bool>,
     /// Where things are that may hide a part of it.
@@ -161,11 +157,6 @@ impl Subject {
             .iter()
             .map(|p| p[0].max(p[1]) > SEEN || p[2] > BODY)
             .collect();
-        let clear = shapes.iter().map(|p| p.iter().any(|c| *c >= STRAY));
-        let clear = clear
-            .zip(&mask)
-            .map(|(clear, bird)| clear && *bird)
-            .collect();
         let things = shapes.iter().zip(&mask);
         let things = things.map(|(p, bird)| !bird && p[2] > SEEN).collect();
         let feathers: Vec<bool> = shapes.iter().map(|p| p[0].max(p[1]) > SEEN).collect();
@@ -176,7 +167,6 @@ impl Subject {
             height,
             pixels,
             mask,
-            clear,
             feathers,
             things,
             breast: Vec::new(),
@@ -302,7 +292,7 @@ impl Subject {
             }
         }
         let body = self.body();
-        for i in (0..marks.len()).filter(|i| self.clear[*i] && !body[*i]) {
+        for i in (0..marks.len()).filter(|i| self.mask[*i] && !body[*i]) {
             for k in self.neighbors(i, 3) {
                 marks[k] = [1.0, 1.0, 0.0];
             }
@@ -429,7 +419,7 @@ impl Subject {
             let inside = (0..self.feathers.len()).filter(|i| self.feathers[*i]);
             100.0 * inside.filter(|i| of(self.pixels[*i])).count() as f32 / count
         };
-        let stray = (0..body.len()).filter(|i| self.clear[*i] && !body[*i]);
+        let stray = (0..body.len()).filter(|i| self.mask[*i] && !body[*i]);
         line(
             1,
             "pixels away from the body",
