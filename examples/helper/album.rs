@@ -10,8 +10,8 @@ use super::{
 use bevy::prelude::*;
 use std::{path::Path, time::Instant};
 
-/// Frames of a mask: with four samples each, enough for its edge.
-const MASK_FRAMES: u32 = 4;
+/// Frames of a mask: with four samples each, enough for tips of barbs that cover a fiftieth of a pixel.
+const MASK_FRAMES: u32 = 16;
 
 /// Takes every picture that is asked for, then the masks.
 pub fn run(app: &mut App, image: &Handle<Image>, name: &str, args: &Args) -> Result<(), String> {

@@ -72,13 +72,13 @@ fn wood(direction: Vec3) -> Vec3 {
         })
 }
 
-/// Radiance on a cliff: a veiled sky, brighter where the sun stands, and warm rock below.
+/// Radiance on a cliff: a veiled sky, brighter where the sun stands, and pale rock in the sun below.
 fn cliff(direction: Vec3) -> Vec3 {
     let up = direction.y;
     let base = if up >= 0.0 {
         Vec3::new(0.72, 0.75, 0.78).lerp(Vec3::new(0.42, 0.50, 0.60), up.powf(0.6))
     } else {
-        Vec3::new(0.72, 0.75, 0.78).lerp(Vec3::new(0.32, 0.27, 0.21), (-3.0 * up).min(1.0))
+        Vec3::new(0.72, 0.75, 0.78).lerp(Vec3::new(0.62, 0.53, 0.42), (-3.0 * up).min(1.0))
     };
     let veil = direction.dot(Vec3::new(0.3, 0.55, 0.75).normalize());
     base + Vec3::new(0.9, 0.85, 0.75) * ((veil - 0.4) / 0.6).max(0.0).powi(2)
@@ -245,9 +245,9 @@ impl Setting {
             fill: [1700.0, 1700.0],
             backdrop: Some(Backdrop {
                 colors: [
-                    Vec3::new(0.018, 0.021, 0.017),
-                    Vec3::new(0.046, 0.060, 0.076),
-                    Vec3::new(0.098, 0.086, 0.070),
+                    Vec3::new(0.045, 0.047, 0.037),
+                    Vec3::new(0.069, 0.083, 0.099),
+                    Vec3::new(0.132, 0.115, 0.094),
                 ],
                 discs: (0, 0.0),
                 gaps: false,
@@ -281,9 +281,9 @@ impl Setting {
             fill: [1500.0, 1500.0],
             backdrop: Some(Backdrop {
                 colors: [
-                    Vec3::new(0.014, 0.016, 0.020),
-                    Vec3::new(0.060, 0.074, 0.108),
-                    Vec3::new(0.150, 0.118, 0.100),
+                    Vec3::new(0.044, 0.047, 0.056),
+                    Vec3::new(0.074, 0.088, 0.122),
+                    Vec3::new(0.168, 0.134, 0.114),
                 ],
                 discs: (60, 0.12),
                 gaps: false,

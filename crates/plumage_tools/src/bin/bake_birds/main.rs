@@ -89,3 +89,24 @@ fn main() -> Result<(), String> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn grooms_are_what_the_tables_say() {
+        for species in species::all() {
+            let groom = plumage::groom(&species, &model::build(&species));
+            let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+                .join("../../assets/grooms")
+                .join(format!("{}.groom.ron", species.name));
+            let kept = fs::read_to_string(&path).expect("a groom of the assets");
+            let baked = groom.to_ron().expect("a groom that can be written");
+            let differs = kept.lines().zip(baked.lines()).position(|(a, b)| a != b);
+            assert_eq!(differs, None, "{}: bake_birds writes another line", path.display());
+            assert_eq!(kept.len(), baked.len(), "{}", path.display());
+        }
+    }
+}

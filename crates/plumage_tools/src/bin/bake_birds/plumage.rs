@@ -44,12 +44,12 @@ pub fn groom(species: &Species, model: &Model) -> Groom {
             region.layer = t.layer;
             region.segments = Segments::new(t.segments.0, t.segments.1);
             region.tint = Tint(srgb(t.tint.0), srgb(t.tint.1));
-            // One feather hardly differs from the next: coats run together, they are not scaled.
+            // One feather hardly differs from the next.
             region.jitter.yaw = 2.0;
             region.jitter.roll = 2.0;
             region.jitter.lift = 0.6;
             region.jitter.hue = 1.0;
-            region.jitter.value = 0.03;
+            region.jitter.value = t.variety;
             region.down = is_downy(t.name).then(|| species.down.into());
             region
         })

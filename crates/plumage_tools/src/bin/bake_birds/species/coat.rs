@@ -33,6 +33,15 @@ pub struct TractRow {
     pub segments: (u8, u8),
     /// sRGB at phi 0 and 1.
     pub tint: (u32, u32),
+    /// How much the values of two feathers differ, share.
+    pub variety: f32,
+}
+
+impl TractRow {
+    /// The same with feathers that differ by another share; usual is 0.03: coats run together, they are not scaled.
+    pub const fn varied(self, variety: f32) -> Self {
+        Self { variety, ..self }
+    }
 }
 
 /// A row of a table of tracts, in the order of [`TractRow`]'s fields.
@@ -64,6 +73,7 @@ pub const fn row(
         layer: look.1,
         segments: look.2,
         tint,
+        variety: 0.03,
     }
 }
 
