@@ -105,7 +105,12 @@ mod tests {
             let kept = fs::read_to_string(&path).expect("a groom of the assets");
             let baked = groom.to_ron().expect("a groom that can be written");
             let differs = kept.lines().zip(baked.lines()).position(|(a, b)| a != b);
-            assert_eq!(differs, None, "{}: bake_birds writes another line", path.display());
+            assert_eq!(
+                differs,
+                None,
+                "{}: bake_birds writes another line",
+                path.display()
+            );
             assert_eq!(kept.len(), baked.len(), "{}", path.display());
         }
     }
