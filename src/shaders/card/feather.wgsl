@@ -269,19 +269,27 @@ fn shade(
     let shares = covered.weights / opacity;
     var sum = fuzz_albedo * tint * around.irradiance * open;
     let lights = light::lights_of(seen);
-    var first = 0u;
-    // Lights are fetched once (shadows are dear) and then seen by every component, a batch at a time.
-    loop {
+    // Lights are fetched once (shadows are dear) and then seen by every component, a batch at a time. The first batch sees the sky, too.
+    for (var first = 0u; first == 0u || first < lights.count; first += BATCH) {
         // Said to be zero: what is only declared in a loop keeps, and holds in registers, what it was in the turn before.
         var batch = array<Arriving, BATCH>();
-        let count = min(lights.count - first, BATCH);
-        for (var i = 0u; i < count; i++) {
-            let found = light::light_at(seen, lights, first + i);
+        // Those that arrive: others are in shadow.
+        var count = 0u;
+        for (var i = first; i < min(first + BATCH, lights.count); i++) {
+            let found = light::light_at(seen, lights, i);
+            if (all(found.color <= vec3(0.0))) {
+                continue;
+            }
             let there = found.direction;
-            batch[i].color = found.color;
-            batch[i].direction = vec3(dot(there, frame.across), dot(there, frame.along), dot(there, frame.normal));
+            let direction = vec3(dot(there, frame.across), dot(there, frame.along), dot(there, frame.normal));
+            batch[count].color = found.color;
+            batch[count].direction = direction;
+            count += 1u;
             let up = vec3(0.0, 0.0, select(-1.0, 1.0, front));
-            sum += fuzz_tint * found.color * sheen_evaluate(sheen, up, frame.local_eye, batch[i].direction);
+            sum += fuzz_tint * found.color * sheen_evaluate(sheen, up, frame.local_eye, direction);
+        }
+        if (count == 0u && first > 0u) {
+            continue;
         }
         // Found anew for every batch and behind its shadow maps, so that its many numbers need not be kept.
         let shadowing = shadowing_of(base, in.uv.y, covered, frame);
@@ -451,10 +459,6 @@ fn shade(
             }
             sum += share * base_share * radiance;
 #endif
-        }
-        first += BATCH;
-        if (first >= lights.count) {
-            break;
         }
     }
     return max(sum, vec3(0.0)) * light::exposure();

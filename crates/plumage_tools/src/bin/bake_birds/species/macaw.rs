@@ -310,7 +310,7 @@ const TRACTS: &[TractRow] = &[
     row("crown", &[Crown], "head", 420, 0, (9., 19.), (6., 8.5), (10., 6.), (0.05, 10.), (0.1, 1800., HEAD), (0xD23A1E, 0xD23A1E)),
     row("nape", &[Nape], "head", 180, 0, (17., 25.), (10., 12.), (8., 8.), (0.06, 15.), (0.1, 1700., HEAD), (0xD23A1E, 0xD23A1E)),
     row("cheek", &[Cheek], "head", 540, 0, (9., 21.), (6., 8.5), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0xCE381C, 0xCE381C)),
-    row("face_lines", &[Bare], "face_line", 158, 5, (3., 4.2), (0.8, 1.1), (24., 20.), (0., 0.), (0.1, 1950., HEAD), (0xEFC4AE, 0xEFC4AE)),
+    row("face_lines", &[Bare], "face_line", 158, 5, (3., 4.2), (0.8, 1.1), (8., 6.), (0., 0.), (0.1, 1950., HEAD), (0xFFF0E0, 0xFFF0E0)),
     row("neck_dorsal", &[NeckDorsal], "neck", 230, 0, (20., 28.), (13., 17.), (8., 8.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xD23A1E, 0xC8361D)),
     row("neck_ventral", &[NeckVentral], "neck", 340, 0, (16., 28.), (11., 16.), (8., 8.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xCC361D, 0xCC361D)),
     row("mantle", &[Mantle, ScapularMantle], "contour", 108, 8, (32., 46.), (20., 26.), (9., 9.), (0.06, 10.), (0.25, 1400., CONTOUR), (0xC8361D, 0xC4381D)),
