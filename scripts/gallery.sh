@@ -20,19 +20,19 @@ large=${GALLERY:-target/gallery}
 birds=${BIRDS:-parrot eagle owl}
 mkdir -p "$large"
 table=$out/judged.md
-cat >"$table" <<'TEXT'
+cat >"$table" <<TEXT
 # The birds, judged against photographs
 
-`make gallery` measures its pictures of whole birds (in `target/gallery`) and writes this page. Line numbers are those of a
+\`make gallery\` measures its pictures of whole birds ($size, $samples frames, of the eagle $(samples_of eagle), in
+\`target/gallery\`) and writes this page. Line numbers are those of a
 list of what a photograph of a bird shows: 1 outline, 2 specks, 3 wing, 4 back, 5 proportions, 6 colors, 7 contrast by scale, 8 haze,
 9 clipping, 12 what is around the bird. Bounds are from photographs of a golden eagle, a scarlet and a green-winged macaw
-(`crates/plumage_tools/src/judge`); of a barn owl none was measured. Colors and contrast are those of feathers, outline and width
+(\`crates/plumage_tools/src/judge\`); of a barn owl none was measured. Colors and contrast are those of feathers, outline and width
 those of the whole bird, scales those of the bird whatever the size of the picture; of two birds the slimmer one is measured from behind.
 
 | picture | line | what | found | wanted | |
 |---|---|---|---|---|---|
 TEXT
-sed -i "s|(in .target/gallery.)|($size, $samples frames, of the eagle $(samples_of eagle), in \`target/gallery\`)|" "$table"
 judge() { # bird, view, picture
     ${CARGO:-cargo} run -q -p plumage_tools --bin picture_judge -- "$1" "$2" "$large/$3.png" "$large/masks/$3.png" >>"$table" || true
 }
