@@ -238,8 +238,8 @@ impl Setting {
             },
             rim: Some(Lamp {
                 toward: Vec3::new(-0.3, 0.9, -1.0),
-                lux: 14_000.0,
-                color: [1.0, 0.92, 0.80],
+                lux: 17_000.0,
+                color: [1.0, 0.97, 0.92],
             }),
             radiance: cliff,
             fill: [1700.0, 1700.0],
