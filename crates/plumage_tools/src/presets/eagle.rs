@@ -7,8 +7,6 @@ use bevy_plumage::anatomy::{Albedo, Bars, Pattern, Rim};
 const DOWN: u32 = 0xD8D2C8;
 /// Down at the base of the coat's feathers, shaded by those above: white would speckle it.
 const BASE: u32 = 0x8C8378;
-/// The same of the breast, where it shows between streaks.
-const TAWNY_BASE: u32 = 0x8A6C4E;
 const DARK: u32 = 0x33271F;
 const BROWN: u32 = 0x4A3524;
 /// Pale rim of scapulars.
@@ -105,9 +103,9 @@ fn streaked(downy: f32, sides: u32, mottle: f32) -> Albedo {
         }),
         mottle,
         ..stops(&[
-            (0.0, TAWNY_BASE, 0.0),
-            (downy - 0.1, TAWNY_BASE, 0.0),
-            (downy, 0x382818, 0.0),
+            (0.0, BASE, 0.0),
+            (downy - 0.1, BASE, 0.0),
+            (downy, 0x38302A, 0.0),
             (0.7, STREAK, 0.25),
             (1.0, 0x20170F, 0.3),
         ])
