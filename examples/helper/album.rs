@@ -10,7 +10,7 @@ use super::{
 use bevy::prelude::*;
 use std::{path::Path, time::Instant};
 
-/// Frames of a mask: with four samples each, enough for tips of barbs that cover a fiftieth of a pixel.
+/// Most frames of a mask, where the picture has as many: with four samples each, enough for tips that cover a fiftieth of a pixel.
 const MASK_FRAMES: u32 = 16;
 
 /// Takes every picture that is asked for, then the masks.

@@ -23,7 +23,7 @@ const SMALL: [View; 2] = [
 ];
 const LARGE: [View; 2] = [
     ("hero", 1.0, most(0.3, 0.003, [0.05, 0.085])),
-    ("far", 2.5, most(0.2, 0.001, [0.05, 0.05])),
+    ("far", 2.5, most(0.15, 0.0005, [0.01, 0.05])),
 ];
 
 /// Pixels of the fine raster along the side of one of the coarse one.
