@@ -20,8 +20,14 @@ use super::{
 };
 use crate::asset::RonAsset;
 use crate::maths::seed::{Stream, name_hash, place_hash};
-use bevy::{math::Vec3, mesh::Mesh};
+use bevy::{
+    math::{Affine3A, Vec3},
+    mesh::Mesh,
+};
 use std::collections::HashMap;
+
+/// Lengths of a feather around its root, within which others are tied as it is.
+const AROUND: f32 = 2.0;
 
 /// A bird to be feathered.
 #[derive(Clone, Debug, Default)]
@@ -151,6 +157,11 @@ pub fn groom_with(
     let mut leaves = regions(bird, groom, seed, density, &mut warnings, &mut down);
     let skinned = !bird.joints.is_empty() && !skin.weights.is_empty();
     let names = if skinned { &bird.joints[..] } else { &[] };
+    if skinned {
+        let poses = groom.poses.iter();
+        let poses: Vec<_> = poses.map(|pose| pose.skinning(names, groom.unit)).collect();
+        tie(&mut leaves, &poses);
+    }
     let scattered = leaves.len();
     let (mut fans, mut missing) = (Vec::new(), Vec::new());
     for (number, row) in groom.rows.iter().enumerate() {
@@ -192,6 +203,32 @@ pub fn groom_with(
         moved,
         worn,
     })
+}
+
+/// Ties the feathers of each region to their roots where joints would draw them out of shape: each as far as it takes, and at least as
+/// far as those around in the mean, for neighbors that are carried alike stay in order.
+fn tie(leaves: &mut [Leaf], poses: &[Vec<Affine3A>]) {
+    for leaves in leaves.chunk_by_mut(|a, b| a.card.region == b.card.region) {
+        let needed: Vec<f32> = leaves.iter().map(|leaf| leaf.needed_tie(poses)).collect();
+        if needed.iter().all(|share| *share == 0.0) {
+            continue;
+        }
+        let share = |(leaf, own): (&Leaf, &f32)| {
+            let reach = (AROUND * leaf.card.length).powi(2);
+            let near = leaves
+                .iter()
+                .zip(&needed)
+                .filter(|(other, _)| other.card.root.distance_squared(leaf.card.root) <= reach);
+            let (sum, count) = near.fold((0.0, 0.0_f32), |(sum, count), (_, share)| {
+                (sum + share, count + 1.0)
+            });
+            own.max(sum / count.max(1.0))
+        };
+        let ties: Vec<f32> = leaves.iter().zip(&needed).map(share).collect();
+        for (leaf, share) in leaves.iter_mut().zip(ties) {
+            leaf.tie(share);
+        }
+    }
 }
 
 /// The place of the skin that a feather grows from.

@@ -1,10 +1,22 @@
 //! A card before it becomes vertices: the record, its shaft, and what its cross-section needs.
 
-use super::{asset::Tint, card::Card, drape::Shaft, skin::Weights};
+use super::{
+    asset::Tint,
+    card::Card,
+    drape::Shaft,
+    pose::blend,
+    skin::{Weights, blend_weights},
+};
 use bevy::{
     color::{Hsva, LinearRgba, Srgba},
-    math::Vec3,
+    math::{Affine3A, Vec3},
 };
+
+/// Lengths over that of bind pose, between which joints may draw a feather; where they are narrower, feathers leave the order of their
+/// neighbors.
+const LENGTHS: std::ops::RangeInclusive<f32> = 0.3..=2.5;
+/// Steps from points that go with the skin below them to a feather that goes with its root.
+const TIES: u8 = 16;
 
 /// One feather of the groom.
 #[derive(Clone, Debug)]
@@ -34,6 +46,59 @@ impl Leaf {
     pub fn weights_at(&self, i: usize) -> Weights {
         let weights = self.weights.get(i).or(self.weights.last());
         weights.copied().unwrap_or_default()
+    }
+
+    /// Length of the shaft as joints carry it with these weights, over that of bind pose.
+    fn drawn(&self, weights: &[Weights], skinning: &[Affine3A]) -> f32 {
+        let points = self.shaft.points.iter().zip(weights);
+        let carried: Vec<Vec3> = points
+            .map(|(point, weights)| blend(weights, skinning).transform_point3(*point))
+            .collect();
+        let long = |points: &[Vec3]| -> f32 {
+            let pairs = points.windows(2);
+            pairs.map(|pair| pair[0].distance(pair[1])).sum()
+        };
+        long(&carried) / long(&self.shaft.points).max(f32::MIN_POSITIVE)
+    }
+
+    /// Weights of the shaft's points, each tied to the root by a share.
+    fn tied(&self, share: f32) -> Vec<Weights> {
+        let root = (self.card.joints, self.card.weights);
+        let own = self.weights.iter();
+        own.map(|own| blend_weights([(root, share), (*own, 1.0 - share)]))
+            .collect()
+    }
+
+    /// The least share by which the shaft has to be tied to its root for its length to stay within [`LENGTHS`] in all poses, or the
+    /// one that keeps it the best.
+    pub fn needed_tie(&self, poses: &[Vec<Affine3A>]) -> f32 {
+        if self.weights.len() < self.shaft.points.len() {
+            return 0.0;
+        }
+        let mut best = (f32::INFINITY, 0.0);
+        for step in 0..=TIES {
+            let share = f32::from(step) / f32::from(TIES);
+            let tied = self.tied(share);
+            let off = poses.iter().map(|skinning| {
+                let length = self.drawn(&tied, skinning);
+                (length / LENGTHS.end()).max(LENGTHS.start() / length)
+            });
+            let off = off.fold(0.0, f32::max);
+            if off < best.0 {
+                best = (off, share);
+            }
+            if off <= 1.0 {
+                break;
+            }
+        }
+        best.1
+    }
+
+    /// Ties the points of the shaft to the joints of its root.
+    pub fn tie(&mut self, share: f32) {
+        if share > 0.0 {
+            self.weights = self.tied(share);
+        }
     }
 
     /// Number of vertices.
@@ -110,4 +175,68 @@ pub fn vary(tint: Tint, phi: f32, hue: f32, value: f32) -> [f32; 3] {
     hsva.value = (hsva.value * (1.0 + value)).clamp(0.0, 1.0);
     let linear = LinearRgba::from(Srgba::from(hsva));
     [linear.red, linear.green, linear.blue].map(|x| if x.is_finite() { x } else { 0.5 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A shaft along x whose tip goes with the second joint.
+    fn leaf() -> Leaf {
+        let x = [0.0, 0.01, 0.02, 0.03];
+        let card = Card {
+            root: Vec3::ZERO,
+            along: Vec3::X,
+            normal: Vec3::Z,
+            center: Vec3::ZERO,
+            radius: 0.03,
+            length: 0.03,
+            width: 0.01,
+            joints: [0; 4],
+            weights: [1.0, 0.0, 0.0, 0.0],
+            feather: 0,
+            region: 0,
+            layer: 0.0,
+            tint: [0.5; 3],
+            seed: 0,
+            turn: 0.0,
+            mirrored: false,
+        };
+        let weights = x.map(|x| ([0, 1, 0, 0], [1.0 - x / 0.03, x / 0.03, 0.0, 0.0]));
+        Leaf {
+            card,
+            shaft: Shaft {
+                points: x.map(|x| Vec3::X * x).to_vec(),
+                normals: vec![Vec3::Z; 4],
+                below: Vec::new(),
+                heights: vec![0.0; 4],
+                across: 0.0,
+            },
+            weights: weights.to_vec(),
+            camber: 0.0,
+            columns: 2,
+            raised: Vec::new(),
+            raised_further: Vec::new(),
+            windows: Vec::new(),
+            held: 0.0,
+        }
+    }
+
+    #[test]
+    fn joints_do_not_draw_a_feather_out_of_shape() {
+        let moved = |x| vec![Affine3A::IDENTITY, Affine3A::from_translation(Vec3::X * x)];
+        // Within bounds it goes with the skin.
+        assert_eq!(leaf().needed_tie(&[moved(0.01)]), 0.0);
+        // Five times as long, and next to nothing, if it did.
+        for step in [0.12, -0.029] {
+            let (mut tied, pose) = (leaf(), moved(step));
+            let free = tied.drawn(&tied.weights, &pose);
+            assert!(!LENGTHS.contains(&free), "{free}");
+            let share = tied.needed_tie(std::slice::from_ref(&pose));
+            tied.tie(share);
+            let length = tied.drawn(&tied.weights, &pose);
+            assert!(LENGTHS.contains(&length), "{share}: {length}");
+            assert!(share > 0.0 && share < 1.0, "{share}");
+        }
+    }
 }

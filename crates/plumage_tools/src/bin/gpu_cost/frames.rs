@@ -8,7 +8,7 @@ use super::{
     spirv::{Module, op},
 };
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, HashMap},
     env, fs,
     path::{Path, PathBuf},
     process::{Command, Stdio},
@@ -40,6 +40,8 @@ pub struct Run {
     pub kept: f64,
     /// Pixels with one of those.
     pub pixels: f64,
+    /// Of `slots`, by function.
+    pub functions: BTreeMap<String, f64>,
     /// What a GPU's compiler makes of the stage.
     pub compiled: Figures,
 }
@@ -57,6 +59,7 @@ struct Stage {
     bit: u32,
     first: u32,
     counters: Vec<Counted>,
+    names: HashMap<u32, String>,
 }
 
 struct Made {
@@ -89,6 +92,11 @@ fn depth_stage() -> Result<Vec<u32>> {
     Ok(naga::back::spv::write_vec(&module, &info, &options, None)?)
 }
 
+/// A function's name as its file has it.
+fn own_name(known: &String) -> &str {
+    known.split("X_naga").next().unwrap_or_default()
+}
+
 /// What a pipeline draws, by the functions in it.
 fn name_of(vertex: &[u32], fragment: Option<&[u32]>, shadow: bool) -> String {
     let modules = [Some(vertex), fragment].map(|words| words.and_then(Module::new));
@@ -98,7 +106,7 @@ fn name_of(vertex: &[u32], fragment: Option<&[u32]>, shadow: bool) -> String {
         .flat_map(|module| module.names().into_values())
         .collect();
     let has = |name: &str| {
-        let own = |known: &String| known.split("X_naga").next() == Some(name);
+        let own = |known: &String| own_name(known) == name;
         names.iter().any(own)
     };
     let cut = modules[1].as_ref().is_some_and(|module| {
@@ -218,6 +226,7 @@ fn take(folder: &Path, index: u32, next: &mut u32) -> Result<Made> {
             bit,
             first: *next,
             counters: made.counters.clone(),
+            names: Module::new(&words).map_or_else(HashMap::new, |module| module.names()),
         });
         *next += made.counters.len() as u32;
     }
@@ -370,7 +379,12 @@ fn collect(
                 let count = frame.get(&at).copied().unwrap_or(0.0);
                 match *counted {
                     Counted::Invocations => run.invocations += count,
-                    Counted::Block(slots) => run.slots += FOLDED * slots * count,
+                    Counted::Block(slots, function) => {
+                        let slots = FOLDED * slots * count;
+                        run.slots += slots;
+                        let name = stage.names.get(&function).map_or("", own_name);
+                        *run.functions.entry(name.into()).or_default() += slots;
+                    }
                     Counted::Quads => run.quads += count / QUAD,
                     Counted::Early => run.early += count,
                     Counted::EarlyQuads => run.early_quads += count / QUAD,

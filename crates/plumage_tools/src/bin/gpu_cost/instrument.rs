@@ -24,8 +24,8 @@ const LEAST_SLOTS: f64 = 2.0;
 pub enum Counted {
     /// Runs of the entry point.
     Invocations,
-    /// Runs of a block; its slots.
-    Block(f64),
+    /// Runs of a block; its slots, and the function that it belongs to.
+    Block(f64, u32),
     /// Twelfths of quads.
     Quads,
     /// Invocations that pass the depth test before.
@@ -387,7 +387,7 @@ pub fn instrument(
                     }
                 }
                 if slots[&label] >= LEAST_SLOTS {
-                    own.bump(&mut code, Counted::Block(slots[&label]), one);
+                    own.bump(&mut code, Counted::Block(slots[&label], function), one);
                 }
             }
             _ => {}
@@ -483,7 +483,7 @@ mod tests {
         assert_eq!((many(Counted::Kept), many(Counted::Pixels)), (1, 1));
         // Four roots, a number and a multiplication and addition of each component, in the loop.
         let dearest = tested.counters.iter().map(|counted| match counted {
-            Counted::Block(slots) => *slots,
+            Counted::Block(slots, _) => *slots,
             _ => 0.0,
         });
         assert!(dearest.fold(0.0, f64::max) >= 16.0);

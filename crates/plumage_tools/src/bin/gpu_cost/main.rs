@@ -65,6 +65,9 @@ struct Args {
     /// Size of those pictures
     #[arg(long, default_value = "1920x1080")]
     size: String,
+    /// For those pictures, also the slots of each function of the feathers' fragments and vertices
+    #[arg(long)]
+    functions: bool,
 }
 
 fn root() -> PathBuf {

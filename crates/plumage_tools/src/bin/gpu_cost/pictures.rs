@@ -110,6 +110,24 @@ fn rows(text: &mut String, what: &str, ran: &[Ran]) -> Result<()> {
     Ok(())
 }
 
+/// Slots an invocation of each function that has a hundredth of a stage.
+fn functions(text: &mut String, ran: &[Ran]) -> Result<()> {
+    text.push_str("\n| pipeline | stage | function | slots, ran |\n|---|---|---|---|\n");
+    for pipeline in ran.iter().filter(|ran| ran.name.starts_with("feathers")) {
+        for (bit, run) in &pipeline.stages {
+            let stage = if *bit == VERTEX { "vertex" } else { "fragment" };
+            let mut list: Vec<_> = run.functions.iter().collect();
+            list.retain(|(_, slots)| **slots >= 0.01 * run.slots);
+            list.sort_by(|a, b| b.1.total_cmp(a.1));
+            for (name, slots) in list {
+                let each = slots / run.invocations.max(1.0);
+                writeln!(text, "| {} | {stage} | {name} | {each:.0} |", pipeline.name)?;
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Channels of two pictures that differ, and all.
 fn differing(a: &Path, b: &Path) -> Result<(usize, usize)> {
     let [a, b] = [a, b].map(image::open);
@@ -169,6 +187,9 @@ pub fn run(args: &Args, folder: &Path, state: &str) -> Result<String> {
         rows(&mut text, "feathers", &own)?;
         rows(&mut text, "after a prepass", &prepared)?;
         rows(&mut text, "cards", &cards)?;
+        if args.functions {
+            functions(&mut text, &own)?;
+        }
         let [own, prepared] = [own, prepared].map(|ran| sums(&ran, &FEATHERS));
         let cards = sums(&cards, &CARDS);
         let ratio =
