@@ -93,7 +93,7 @@ fn depth_stage() -> Result<Vec<u32>> {
 }
 
 /// A function's name as its file has it.
-fn own_name(known: &String) -> &str {
+fn own_name(known: &str) -> &str {
     known.split("X_naga").next().unwrap_or_default()
 }
 
@@ -382,7 +382,7 @@ fn collect(
                     Counted::Block(slots, function) => {
                         let slots = FOLDED * slots * count;
                         run.slots += slots;
-                        let name = stage.names.get(&function).map_or("", own_name);
+                        let name = stage.names.get(&function).map_or("", |name| own_name(name));
                         *run.functions.entry(name.into()).or_default() += slots;
                     }
                     Counted::Quads => run.quads += count / QUAD,
