@@ -57,7 +57,7 @@ pub struct Groom {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub paint: Vec<Dab>,
     /// Poses that the bird wears, at most 5: the coat is settled in each of them, and worn as in the nearest; in bind pose without
-    /// any.
+    /// any. None of them draws feathers far out of shape.
     #[reflect(@Length::new(0, 5))]
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub poses: Vec<KeyPose>,

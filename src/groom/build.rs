@@ -3,6 +3,7 @@
 use super::{
     asset::{Groom, Region, Row, painted},
     card::{Card, CardGeometry},
+    cells::Cells,
     drape::{Shape, drape, rise},
     error::GroomError,
     field::{Field, Follicle},
@@ -213,18 +214,18 @@ fn tie(leaves: &mut [Leaf], poses: &[Vec<Affine3A>]) {
         if needed.iter().all(|share| *share == 0.0) {
             continue;
         }
-        let share = |(leaf, own): (&Leaf, &f32)| {
-            let reach = (AROUND * leaf.card.length).powi(2);
-            let near = leaves
-                .iter()
-                .zip(&needed)
-                .filter(|(other, _)| other.card.root.distance_squared(leaf.card.root) <= reach);
-            let (sum, count) = near.fold((0.0, 0.0_f32), |(sum, count), (_, share)| {
-                (sum + share, count + 1.0)
+        let roots = leaves.iter().map(|leaf| leaf.card.root);
+        let roots: Vec<(Vec3, f32)> = roots.zip(needed).collect();
+        let around = Cells::new(&roots, AROUND * leaves[0].card.length);
+        let share = |(leaf, (root, own)): (&Leaf, &(Vec3, f32))| {
+            let (mut sum, mut count) = (0.0, 0.0_f32);
+            around.near(*root, AROUND * leaf.card.length, |_, share| {
+                sum += share;
+                count += 1.0;
             });
             own.max(sum / count.max(1.0))
         };
-        let ties: Vec<f32> = leaves.iter().zip(&needed).map(share).collect();
+        let ties: Vec<f32> = leaves.iter().zip(&roots).map(share).collect();
         for (leaf, share) in leaves.iter_mut().zip(ties) {
             leaf.tie(share);
         }

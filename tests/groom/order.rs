@@ -1,5 +1,6 @@
 //! The coats of the birds lie in order: ranks, and what can be seen of them in the poses that the birds wear.
 
+use bevy::math::Vec3;
 use bevy_plumage::{FeatherSettings, groom::Coat};
 use plumage_tests::{
     order::{Measured, Tally},
@@ -121,4 +122,36 @@ fn few_pixels_show_a_feather_that_another_should_cover() {
         }
     }
     assert!(failures.is_empty(), "{failures:#?}");
+}
+
+/// Longest scattered feather of a bird that a joint has drawn out, over its length in the groom.
+fn longest(name: &'static str, phase: f32) -> f32 {
+    let (bird, coat) = groomed(name);
+    let skinning = bird.skinning(Some(phase * bird.duration));
+    let carries = SceneBird::carries(coat, &skinning);
+    let posed = bird.pose(&SceneBird::vertices(coat, &skinning), &carries, &skinning);
+    let scattered = coat.cards.iter().zip(&coat.geometry);
+    let lengths = scattered.filter_map(|(card, geometry)| {
+        let region = bird.groom.regions.get(usize::from(card.region))?;
+        let wide = usize::from(region.segments.across) + 1;
+        let first = geometry.first_vertex as usize;
+        let own = &posed.cards[first..first + geometry.vertex_count as usize];
+        let shaft: Vec<Vec3> = own.chunks(wide).map(|row| row[wide / 2]).collect();
+        let pairs = shaft.windows(2);
+        let length: f32 = pairs.map(|pair| pair[0].distance(pair[1])).sum();
+        Some(length / card.length)
+    });
+    lengths.fold(0.0, f32::max)
+}
+
+#[test]
+fn joints_draw_no_feather_far_out_of_shape() {
+    for name in ["parrot", "eagle", "owl"] {
+        // At rest the wings are folded; bind pose has them open.
+        for phase in [0.02, 0.68] {
+            let found = longest(name, phase);
+            println!("{name}, phase {phase}: {found:.2} lengths");
+            assert!(found < 3.5, "{name}, phase {phase}: {found}");
+        }
+    }
 }
