@@ -1,11 +1,15 @@
 //! Things against each other, frames in turn, in one run: a feather with and without thin layers, feathers and plain cards, light in
 //! fragments and at vertices.
 
-use super::headless::{Apps, capture, frame};
+use super::{
+    gpu_clock,
+    headless::{Apps, capture, frame},
+};
 use bevy::{diagnostic::DiagnosticsStore, prelude::*, render::renderer::RenderAdapterInfo};
 use bevy_plumage::prelude::*;
 use cpu_time::ProcessTime;
 use std::{fmt::Write, fs, path::Path};
+use wgpu_types::DeviceType;
 
 /// A card that is timed; `true`: with its thin layers.
 #[derive(Component)]
@@ -33,11 +37,28 @@ fn cards_of(app: &App, class: &str) -> f64 {
 /// Frames after a change of what is shown until every pass draws it.
 pub const SETTLE: usize = 2;
 
-/// Processor seconds of one frame, with every thread that draws it.
+/// Whether the processor draws: there, what a frame costs is processor time with every thread that draws it (wall time follows what
+/// else the machine does), on a GPU its own time.
+fn in_software(app: &App) -> bool {
+    app.world().resource::<RenderAdapterInfo>().device_type == DeviceType::Cpu
+}
+
+/// Which time [`seconds`] measures, and on what.
+pub fn clock(app: &App) -> String {
+    let adapter = &app.world().resource::<RenderAdapterInfo>().name;
+    let time = if in_software(app) { "processor" } else { "GPU" };
+    format!("{time} time on {adapter}")
+}
+
+/// Seconds of one frame, by the [`clock`] of the adapter; not a number if a GPU has none.
 pub fn seconds(app: &mut App) -> f64 {
     let start = ProcessTime::now();
     frame(app);
-    start.elapsed().as_secs_f64()
+    if in_software(app) {
+        start.elapsed().as_secs_f64()
+    } else {
+        gpu_clock::seconds(app).unwrap_or(f64::NAN)
+    }
 }
 
 /// The least: what other programs do to the caches only adds.
@@ -45,11 +66,8 @@ pub fn least(list: &[f64]) -> f64 {
     list.iter().copied().fold(f64::NAN, f64::min)
 }
 
-/// Processor time of whole frames over `rounds` rounds of: no feather, without layers, with layers (the last two change places every
-/// round). Prints the least of each, and the difference.
-///
-/// On a software renderer this is the cost of shading. Wall time is not: there it follows what else the machine does. On a GPU's adapter
-/// this says nothing, and the printed line names the adapter.
+/// Time of whole frames over `rounds` rounds of: no feather, without layers, with layers (the last two change places every round).
+/// Prints the least of each, and the difference.
 pub fn run(app: &mut App, rounds: u32, name: &str) {
     let mut times: [Vec<f64>; 3] = Default::default();
     let mut classes = bevy_plumage::CARD_COUNTERS.map(|_| 0.0);
@@ -77,10 +95,10 @@ pub fn run(app: &mut App, rounds: u32, name: &str) {
         .map(|(name, count)| format!("{count} {name}"))
         .collect();
     let [none, without, with] = times.each_ref().map(|list| 1e3 * least(list));
-    let adapter = &app.world().resource::<RenderAdapterInfo>().name;
     println!(
-        "{name}: least of {rounds} frames each on {adapter}, processor time: nothing {none:.1} ms, feather {without:.1} ms, with thin \
-         layers {with:.1} ms: {:+.1} % of the feather's own time; cards: {}",
+        "{name}: least of {rounds} frames each, {}: nothing {none:.2} ms, feather {without:.2} ms, with thin layers {with:.2} ms: \
+         {:+.1} % of the feather's own time; cards: {}",
+        clock(app),
         100.0 * (with - without) / (without - none),
         cards.join(", "),
     );
@@ -88,10 +106,27 @@ pub fn run(app: &mut App, rounds: u32, name: &str) {
 
 /// Frames of an app until nothing is compiled or loaded any more.
 const WARM_UP: usize = 3;
+/// Frames over which diagnostics average.
+const GPU_WARM_UP: usize = 120;
 
-/// Processor time of whole frames of two apps that show the same scene, with its feathers and with the same cards in a
-/// `StandardMaterial`, over `rounds` rounds; of the feathers also with those drawn that the skin hides. Prints the least of each, their
-/// ratios, and by how much hidden cards change the picture. What was said of [`run`] holds here, too.
+/// Mean GPU milliseconds of the passes that Bevy times, of the last frames.
+fn passes(app: &App) -> String {
+    let store = app.world().resource::<DiagnosticsStore>();
+    let mut passes: Vec<(String, f64)> = store
+        .iter()
+        .filter_map(|d| {
+            let name = d.path().as_str().strip_prefix("render/")?;
+            Some((name.strip_suffix("/elapsed_gpu")?.to_owned(), d.average()?))
+        })
+        .collect();
+    passes.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let passes = passes.iter().map(|(name, ms)| format!("{name} {ms:.3}"));
+    passes.collect::<Vec<_>>().join(", ")
+}
+
+/// Time of whole frames of two apps that show the same scene, with its feathers and with the same cards in a `StandardMaterial`, over
+/// `rounds` rounds; of the feathers also with those drawn that the skin hides. Prints the least of each, their ratios, and by how much
+/// hidden cards change the picture; on a GPU also its passes.
 pub fn compare_cards(
     [(feathers, image), (cards, _)]: Apps,
     rounds: u32,
@@ -125,19 +160,27 @@ pub fn compare_cards(
         }
     }
     let [own, all, plain] = times.each_ref().map(|list| 1e3 * least(list));
-    let adapter = &feathers.world().resource::<RenderAdapterInfo>().name;
     let steps = pictures[0].iter().zip(&pictures[1]);
     let steps: Vec<u8> = steps.map(|(a, b)| a.abs_diff(*b)).collect();
     println!(
-        "{name}: least of {rounds} frames each on {adapter}, processor time: feathers {own:.0} ms, with hidden cards {all:.0} ms, cards in \
-         StandardMaterial {plain:.0} ms, ratios {:.2} and {:.2}; cards: {classes}; hidden cards change {} of {} channels, by at most {} \
-         of 255",
+        "{name}: least of {rounds} frames each, {}: feathers {own:.2} ms, with hidden cards {all:.2} ms, cards in StandardMaterial \
+         {plain:.2} ms, ratios {:.2} and {:.2}; cards: {classes}; hidden cards change {} of {} channels, by at most {} of 255",
+        clock(feathers),
         own / plain,
         all / plain,
         steps.iter().filter(|step| **step > 0).count(),
         steps.len(),
         steps.iter().max().unwrap_or(&0),
     );
+    if !in_software(feathers) {
+        for _ in 0..GPU_WARM_UP {
+            frame(feathers);
+            frame(cards);
+        }
+        for (app, what) in [(feathers, "feathers"), (cards, "cards")] {
+            println!("{name}: milliseconds of passes, {what}: {}", passes(app));
+        }
+    }
     Ok(())
 }
 
@@ -183,7 +226,7 @@ fn differences(shown: &[u8], truth: &[u8], bare: &[u8]) -> [f64; 3] {
 }
 
 /// Draws the scene under several light budgets and writes a table: share of the cards that are lit at their vertices, what that does
-/// to the pixels with feathers, processor time of a frame over that of one whose fragments are all lit. The picture is the same frame
+/// to the pixels with feathers, time of a frame over that of one whose fragments are all lit. The picture is the same frame
 /// in all but that; pictures go beside `file`, named after the budgets.
 pub fn light(app: &mut App, image: &Handle<Image>, file: &Path) -> Result<(), String> {
     let mut pictures = Vec::new();
@@ -222,7 +265,6 @@ pub fn light(app: &mut App, image: &Handle<Image>, file: &Path) -> Result<(), St
         frame(app);
     }
     let bare = capture(app, image.clone())?.to_rgb8().into_raw();
-    let adapter = &app.world().resource::<RenderAdapterInfo>().name;
     let mut table =
         String::from("light budget,lit cards,rms of 255,99th percentile,largest,frame over 0\n");
     for (i, budget) in LIGHT_BUDGETS.into_iter().enumerate() {
@@ -234,6 +276,6 @@ pub fn light(app: &mut App, image: &Handle<Image>, file: &Path) -> Result<(), St
             shares[i]
         );
     }
-    print!("{adapter}\n{table}");
+    print!("{}\n{table}", clock(app));
     fs::write(file, table).map_err(|error| format!("{}: {error}", file.display()))
 }

@@ -2,19 +2,19 @@
 //! a `StandardMaterial`, in one run.
 
 use super::{
-    cost::{SETTLE, least, seconds},
+    cost::{SETTLE, clock, least, seconds},
     headless::{Apps, frame, regrow, resize},
 };
-use bevy::{prelude::*, render::renderer::RenderAdapterInfo};
+use bevy::prelude::*;
 use bevy_plumage::{PlumageCards, prelude::*};
 use std::{f32::consts::TAU, fmt::Write, fs, path::Path};
 
 /// Pictures.
-const SIZES: [(u32, u32); 4] = [(120, 68), (240, 135), (480, 270), (960, 540)];
+const SIZES: [(u32, u32); 5] = [(120, 68), (240, 135), (480, 270), (960, 540), (1920, 1080)];
 /// Lights: the sun, and point lights around.
 const LIGHTS: [usize; 3] = [1, 4, 16];
 /// Feathers of all birds together.
-const COUNTS: [f32; 4] = [625.0, 2500.0, 6250.0, 25_000.0];
+const COUNTS: [f32; 5] = [625.0, 2500.0, 6250.0, 25_000.0, 62_500.0];
 /// Frames of each app, in turn; the fastest counts.
 const ROUNDS: usize = 3;
 
@@ -49,7 +49,7 @@ fn light(app: &mut App, count: usize) {
     }
 }
 
-/// Milliseconds of processor time of a frame of each.
+/// Milliseconds of a frame of each, by the adapter's clock.
 fn time(apps: &mut Apps) -> [f64; 2] {
     for (app, _) in apps.iter_mut() {
         (0..SETTLE).for_each(|_| {
@@ -70,7 +70,7 @@ pub fn run(mut apps: Apps, name: &str, size: (u32, u32), file: &Path) -> Result<
     let mut table = String::from("what,x,feathers ms,cards ms,feathers over cards\n");
     let mut line = |what: &str, x: usize, apps: &mut Apps| {
         let [own, cards] = time(apps);
-        let text = format!("{what},{x},{own:.1},{cards:.1},{:.3}", own / cards);
+        let text = format!("{what},{x},{own:.2},{cards:.2},{:.3}", own / cards);
         println!("{text}");
         let _ = writeln!(table, "{text}");
     };
@@ -105,7 +105,6 @@ pub fn run(mut apps: Apps, name: &str, size: (u32, u32), file: &Path) -> Result<
         }
         line("feathers", found, &mut apps);
     }
-    let adapter = &apps[0].0.world().resource::<RenderAdapterInfo>().name;
-    println!("{adapter}");
+    println!("{}", clock(apps[0].0));
     fs::write(file, table).map_err(|error| format!("{}: {error}", file.display()))
 }

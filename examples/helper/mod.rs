@@ -16,6 +16,7 @@ pub mod cost;
 pub mod cost_table;
 pub mod foliage;
 pub mod foreground;
+pub mod gpu_clock;
 pub mod growth;
 pub mod headless;
 pub mod help;
@@ -124,6 +125,7 @@ fn build(name: &'static str, scene: fn(&mut App), args: &Args) -> App {
         .insert_resource(ClearColor(Color::srgb(0.72, 0.76, 0.80)))
         .add_plugins((
             RenderDiagnosticsPlugin,
+            gpu_clock::GpuClockPlugin,
             scene::ScenePlugin,
             posture::PosturePlugin,
             camera::CameraPlugin,
