@@ -1,12 +1,14 @@
 //! The camera of the examples and its shots.
 
-use super::{Args, Shot, backdrop, foreground, scene::Sky, setting::Setting};
+use super::{Args, Shot, args::DepthFirst, backdrop, foreground, scene::Sky, setting::Setting};
 use bevy::{
     camera::{Exposure, Hdr, RenderTarget},
     core_pipeline::{oit::OrderIndependentTransparencySettings, prepass::DepthPrepass},
     prelude::*,
+    render::renderer::RenderAdapterInfo,
 };
 use bevy_plumage::prelude::*;
+use wgpu_types::DeviceType;
 
 /// A shot: where the camera stands and what it looks at.
 #[derive(Clone, Copy, Debug)]
@@ -129,6 +131,7 @@ fn spawn_camera(
     sky: Res<Sky>,
     setting: Res<Setting>,
     off_screen: Option<Res<OffScreen>>,
+    adapter: Res<RenderAdapterInfo>,
 ) {
     let framing = shots.framing(args.camera);
     let mut camera = commands.spawn((
@@ -147,7 +150,12 @@ fn spawn_camera(
     if args.transparency == Some(FeatherTransparency::OrderIndependent) {
         camera.insert(OrderIndependentTransparencySettings::default());
     }
-    if args.depth_prepass {
+    let depth_first = match args.depth_prepass {
+        DepthFirst::On => true,
+        DepthFirst::Off => false,
+        DepthFirst::Gpu => adapter.device_type != DeviceType::Cpu,
+    };
+    if depth_first {
         camera.insert(DepthPrepass);
     }
     if let Some(image) = off_screen {

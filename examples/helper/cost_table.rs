@@ -1,11 +1,11 @@
-//! What a frame costs over the number of feathers, the size of the picture and the number of lights: feathers beside the same cards in
-//! a `StandardMaterial`, in one run.
+//! What a frame costs over the number of feathers, the size of the picture, the number of lights, and with other settings: feathers
+//! beside the same cards in a `StandardMaterial`, in one run.
 
 use super::{
     cost::{SETTLE, clock, least, seconds},
     headless::{Apps, frame, regrow, resize},
 };
-use bevy::prelude::*;
+use bevy::{core_pipeline::prepass::DepthPrepass, prelude::*};
 use bevy_plumage::{PlumageCards, prelude::*};
 use std::{f32::consts::TAU, fmt::Write, fs, path::Path};
 
@@ -17,6 +17,87 @@ const LIGHTS: [usize; 3] = [1, 4, 16];
 const COUNTS: [f32; 5] = [625.0, 2500.0, 6250.0, 25_000.0, 62_500.0];
 /// Frames of each app, in turn; the fastest counts.
 const ROUNDS: usize = 3;
+
+/// A way to draw the birds of an app.
+#[derive(Clone, Copy)]
+struct Choice {
+    quality: FeatherQuality,
+    depth_first: bool,
+}
+
+/// What the table compares.
+fn choices() -> Vec<(&'static str, Choice)> {
+    let choice = |transparency, depth_first, change: fn(&mut FeatherSettings)| {
+        let mut quality = FeatherQuality {
+            transparency,
+            ..default()
+        };
+        change(&mut quality.settings);
+        Choice {
+            quality,
+            depth_first,
+        }
+    };
+    let samples =
+        |depth_first, change| choice(FeatherTransparency::AlphaToCoverage, depth_first, change);
+    let hashed = |depth_first| choice(FeatherTransparency::Hashed, depth_first, |_| ());
+    let lit = |own: &mut FeatherSettings| own.light_budget = 0.0;
+    vec![
+        ("4 samples", samples(false, |_| ())),
+        ("4 samples; all light in fragments", samples(false, lit)),
+        ("4 samples; depth first", samples(true, |_| ())),
+        (
+            "4 samples; depth first; no window",
+            samples(true, |own| own.order_window = 0.0),
+        ),
+        (
+            "4 samples; depth first; hidden cards",
+            samples(true, |own| own.cull_hidden = false),
+        ),
+        (
+            "4 samples; depth first; all light in fragments",
+            samples(true, lit),
+        ),
+        ("hashed", hashed(false)),
+        ("hashed; depth first", hashed(true)),
+    ]
+}
+
+/// How an app is drawn now.
+fn chosen(app: &mut App) -> Option<Choice> {
+    let world = app.world_mut();
+    let mut cameras = world.query_filtered::<Has<DepthPrepass>, With<Camera3d>>();
+    let depth_first = cameras.iter(world).next()?;
+    let mut qualities = world.query::<&FeatherQuality>();
+    let quality = *qualities.iter(world).next()?;
+    Some(Choice {
+        quality,
+        depth_first,
+    })
+}
+
+/// Draws an app that way.
+fn choose(app: &mut App, choice: Choice) {
+    let world = app.world_mut();
+    let mut cameras = world.query_filtered::<Entity, With<Camera3d>>();
+    let cameras: Vec<Entity> = cameras.iter(world).collect();
+    for camera in cameras {
+        let mut camera = world.entity_mut(camera);
+        camera.insert(match choice.quality.transparency {
+            FeatherTransparency::Hashed => Msaa::Off,
+            _ => Msaa::Sample4,
+        });
+        if choice.depth_first {
+            camera.insert(DepthPrepass);
+        } else {
+            camera.remove::<DepthPrepass>();
+        }
+    }
+    let mut qualities = world.query::<&mut FeatherQuality>();
+    for mut quality in qualities.iter_mut(world) {
+        *quality = choice.quality;
+    }
+}
 
 /// A point light of the table.
 #[derive(Component)]
@@ -82,6 +163,17 @@ pub fn run(mut apps: Apps, name: &str, size: (u32, u32), file: &Path) -> Result<
     }
     for (app, image) in &mut apps {
         resize(app, image, size);
+    }
+    if let Some(own) = chosen(apps[0].0) {
+        for (row, choice) in choices() {
+            for (app, _) in &mut apps {
+                choose(app, choice);
+            }
+            line(row, (size.0 * size.1) as usize, &mut apps);
+        }
+        for (app, _) in &mut apps {
+            choose(app, own);
+        }
     }
     for count in LIGHTS {
         for (app, _) in &mut apps {

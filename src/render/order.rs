@@ -2,7 +2,8 @@
 //!
 //! Behind a depth prepass the card of the highest layer within the window must come last, so that it stays
 //! ([`FeatherSettings::order_window`](super::FeatherSettings)). Without one the nearest stays, and cards of high layers, which hide
-//! others, come first.
+//! others, come first. Where cards are drawn from lists (docs/book/lod.md#lists), these have the order that each pass asks for; what
+//! stands here is for all others.
 
 use super::FeatherMaterial;
 use crate::groom::{PlumageCards, PlumageSystems};
@@ -56,7 +57,7 @@ fn sort_cards(
 }
 
 /// Whether cards of low layers come first; none if there is but one, or no cards at all.
-fn rises(mesh: &Mesh) -> Option<bool> {
+pub(super) fn rises(mesh: &Mesh) -> Option<bool> {
     let Some(VertexAttributeValues::Float32x2(ids)) = mesh.attribute(Mesh::ATTRIBUTE_UV_1) else {
         return None;
     };

@@ -302,16 +302,16 @@ fn prepare_materials(
         let records = pack_cards(&cards.cards);
         let lod = vec![0u8; 4 * cards.cards.len()];
         let own_mesh = meshes.get(mesh.id());
-        let (patches, listed) = pack_patches(&cards.geometry, own_mesh);
+        let patches = pack_patches(&cards.geometry, own_mesh);
         let lists = own_mesh
-            .filter(|_| listed)
+            .filter(|_| patches.order.is_some())
             .map_or(0, |mesh| list_bytes(cards.cards.len(), mesh));
         let skin = skin.and_then(|skin| meshes.get(skins.get(skin.parent()).ok()?));
         let measured = skin.map_or(0, |skin| {
             16 * (MEASURED * cards.cards.len() as u64 + skin.count_vertices() as u64)
         });
         let bytes = CardBytes {
-            cards: (records.len() + lod.len() + patches.len()) as u64 + lists,
+            cards: (records.len() + lod.len() + patches.words.len()) as u64 + lists,
             measured,
             mesh: (mesh.id(), own_mesh.map_or(0, mesh_bytes)),
         };
@@ -336,8 +336,8 @@ fn prepare_materials(
         commands.entity(entity).insert((
             MeshMaterial3d(materials.add(material)),
             CardPatches {
-                patches: buffers.add(upload(patches, "feather_patches")),
-                listed,
+                patches: buffers.add(upload(patches.words, "feather_patches")),
+                order: patches.order,
             },
             bytes,
         ));

@@ -1,7 +1,7 @@
 //! Lists of the triangles of each class (docs/book/lod.md#lists): written by the LOD pass for every camera, drawn by
 //! [`super::super::listed`].
 
-use super::hide::Meshes;
+use super::{super::order, hide::Meshes};
 use crate::{groom::CardGeometry, shaders::FEATHER_LISTS};
 use bevy::{
     asset::AssetServer,
@@ -47,9 +47,25 @@ pub fn list_bytes(cards: usize, mesh: &Mesh) -> u64 {
     HEAD_BYTES * cards as u64 + MOST_LISTS * indices
 }
 
-/// Where the cards are in their mesh, four words each: by card its first vertex and their number; by place among the triangles which card
-/// is there, and its first index. The second is whether the latter are known.
-pub fn pack_patches(geometry: &[CardGeometry], mesh: Option<&Mesh>) -> (Vec<u8>, bool) {
+/// Where the cards are in their mesh.
+pub struct Patches {
+    /// Four words each: by card its first vertex and their number; by place among the triangles which card is there, and its first index.
+    pub words: Vec<u8>,
+    /// Whether the latter are known, and in which order they are.
+    pub order: Option<CardOrder>,
+}
+
+/// In which order cards come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CardOrder {
+    /// From the highest layer to the lowest: what hides others comes first.
+    Falling,
+    /// From the lowest layer to the highest: what should be seen comes last.
+    Rising,
+}
+
+/// Finds the cards in their mesh.
+pub fn pack_patches(geometry: &[CardGeometry], mesh: Option<&Mesh>) -> Patches {
     let places = mesh.and_then(|mesh| places(geometry.len(), mesh));
     let place = |at: usize| {
         let places = places.as_deref();
@@ -59,7 +75,15 @@ pub fn pack_patches(geometry: &[CardGeometry], mesh: Option<&Mesh>) -> (Vec<u8>,
         let [number, first] = place(at);
         [card.first_vertex, card.vertex_count, number, first]
     });
-    (words.flat_map(u32::to_le_bytes).collect(), places.is_some())
+    let order = if mesh.and_then(order::rises).unwrap_or(false) {
+        CardOrder::Rising
+    } else {
+        CardOrder::Falling
+    };
+    Patches {
+        words: words.flat_map(u32::to_le_bytes).collect(),
+        order: places.is_some().then_some(order),
+    }
 }
 
 /// Card and first index of each place; none if a card has no triangles, lies in several places, or has an odd number of indices.
@@ -93,13 +117,14 @@ struct ListParams {
     index_count: u32,
     first_word: u32,
     short_indices: u32,
+    turned: u32,
 }
 
 /// For the test that holds it against the shader.
 #[cfg(feature = "internals")]
 pub(in crate::render) fn list_params_layout() -> crate::shaders::StructLayout {
     crate::shaders::struct_layout!(ListParams, "card/feather_lists.wgsl", "ListParams", {
-        card_count, index_count, first_word, short_indices,
+        card_count, index_count, first_word, short_indices, turned,
     })
 }
 
@@ -111,7 +136,8 @@ struct BirdLists {
     format: IndexFormat,
     cards: u32,
     indices: u32,
-    params_offset: u32,
+    /// Of falling, then of rising cards.
+    params_offsets: [u32; 2],
     /// None where this frame has no lists.
     bind_group: Option<BindGroup>,
 }
@@ -131,8 +157,10 @@ pub struct ListedBird<'a> {
     pub mesh: AssetId<Mesh>,
     /// Number of cards.
     pub cards: u32,
-    /// See [`pack_patches`].
+    /// See [`Patches::words`].
     pub patches: &'a Buffer,
+    /// See [`Patches::order`].
+    pub order: CardOrder,
     /// Classes.
     pub lod: &'a Buffer,
 }
@@ -293,11 +321,14 @@ impl CardLists {
                     let usage = BufferUsages::INDIRECT | BufferUsages::COPY_DST;
                     buffer(device, "feather_list_draws", draws.max(DRAW_BYTES), usage)
                 });
-            let params_offset = self.params.push(&ListParams {
-                card_count: bird.cards,
-                index_count: count,
-                first_word,
-                short_indices: u32::from(format == IndexFormat::Uint16),
+            let params_offsets = [CardOrder::Falling, CardOrder::Rising].map(|wanted| {
+                self.params.push(&ListParams {
+                    card_count: bird.cards,
+                    index_count: count,
+                    first_word,
+                    short_indices: u32::from(format == IndexFormat::Uint16),
+                    turned: u32::from(wanted != bird.order),
+                })
             });
             sources.push((bird.entity, bird.patches, bird.lod, source));
             self.birds.insert(
@@ -309,7 +340,7 @@ impl CardLists {
                     format,
                     cards: bird.cards,
                     indices: count,
-                    params_offset,
+                    params_offsets,
                     bind_group: None,
                 },
             );
@@ -337,10 +368,11 @@ impl CardLists {
         }
     }
 
-    /// Writes the lists of a bird, whose cards have their classes.
+    /// Writes the lists of a bird, whose cards have their classes, in an order.
     pub fn write(
         &self,
         bird: MainEntity,
+        order: CardOrder,
         pipelines: &ListPipelines,
         cache: &PipelineCache,
         pass: &mut ComputePass,
@@ -356,7 +388,7 @@ impl CardLists {
         let (Some(arrange), Some(fill)) = (find(pipelines.arrange), find(pipelines.fill)) else {
             return;
         };
-        pass.set_bind_group(0, group, &[lists.params_offset]);
+        pass.set_bind_group(0, group, &[lists.params_offsets[order as usize]]);
         pass.set_pipeline(arrange);
         pass.dispatch_workgroups(1, 1, 1);
         pass.set_pipeline(fill);

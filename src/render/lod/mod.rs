@@ -13,7 +13,7 @@ pub(super) use {lists::list_params_layout, pass::params_layout, skin::skin_param
 
 pub(super) use {
     hide::{GRID_BYTES, MEASURED},
-    lists::{CardLists, ListedDraw, list_bytes, pack_patches},
+    lists::{CardLists, CardOrder, ListedDraw, list_bytes, pack_patches},
 };
 
 use super::limits::path_is_full;
@@ -44,8 +44,8 @@ pub const CARD_COUNTERS: [&str; 7] = ["culled", "near", "far", "mean", "mixed", 
 #[derive(Component)]
 pub(super) struct CardPatches {
     pub patches: Handle<ShaderBuffer>,
-    /// Their triangles can be listed.
-    pub listed: bool,
+    /// Their order among the triangles, where these can be listed.
+    pub order: Option<CardOrder>,
 }
 
 /// Lets compute shaders read the vertices of meshes. Before Bevy makes its buffers.
@@ -80,7 +80,12 @@ impl Plugin for LodPlugin {
             .add_systems(
                 Core3d,
                 // The prepass already asks for the classes.
-                pass::feather_lod.before(Core3dSystems::Prepass),
+                (
+                    pass::feather_lod.before(Core3dSystems::Prepass),
+                    pass::raise_lists
+                        .after(Core3dSystems::Prepass)
+                        .before(Core3dSystems::MainPass),
+                ),
             );
     }
 }

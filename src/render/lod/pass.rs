@@ -8,7 +8,7 @@ use super::{
     },
     CARD_COUNTERS, CardPatches,
     hide::{COUNTER_BYTES, GRID, GRID_BYTES, MEASURED, Meshes, NOTHING, VertexPlaces},
-    lists::{CardLists, ListPipelines, ListedBird},
+    lists::{CardLists, CardOrder, ListPipelines, ListedBird},
     skin::{Skin, SkinBuffers, SkinParams, SkinPipelines, SkinQuery},
 };
 use crate::{
@@ -16,6 +16,7 @@ use crate::{
     shaders::{FEATHER_HIDE, FEATHER_LOD},
 };
 use bevy::{
+    core_pipeline::prepass::DepthPrepass,
     pbr::{MeshMaterial3d, SkinUniforms},
     prelude::*,
     render::{
@@ -48,8 +49,8 @@ pub struct LodBird {
     lod: AssetId<ShaderBuffer>,
     feathers: AssetId<ShaderBuffer>,
     patches: AssetId<ShaderBuffer>,
-    /// Its triangles are listed class by class.
-    listed: bool,
+    /// Order of its triangles, if they are listed class by class.
+    listed: Option<CardOrder>,
     mesh: AssetId<Mesh>,
     /// Heights of the worn pose and what may hide cards, where hidden ones are to be found.
     still: Option<(Vec4, Skin)>,
@@ -237,7 +238,7 @@ pub fn extract_birds(
             lod: material.lod.id(),
             feathers: material.feathers.id(),
             patches: patches.patches.id(),
-            listed: patches.listed && material.splits(),
+            listed: patches.order.filter(|_| material.splits()),
             mesh: mesh.id(),
             still: motion
                 .filter(|_| material.settings.cull_hidden)
@@ -296,8 +297,9 @@ pub fn prepare_lod_bind_groups(
         Some((heights, skin, meshes.vertices(bird.mesh)?, buffers))
     };
     if let Some(pipelines) = list_pipelines {
-        let listed = birds.iter().filter(|bird| bird.listed).filter_map(|bird| {
+        let listed = birds.iter().filter_map(|bird| {
             Some(ListedBird {
+                order: bird.listed?,
                 entity: bird.entity,
                 mesh: bird.mesh,
                 cards: bird.count,
@@ -464,7 +466,13 @@ pub fn feather_lod(
                 run(hide, bind_group, &offsets, bird.count);
             }
             if let Some(pipelines) = &list_pipelines {
-                lists.write(bird.entity, pipelines, &cache, &mut pass);
+                lists.write(
+                    bird.entity,
+                    CardOrder::Falling,
+                    pipelines,
+                    &cache,
+                    &mut pass,
+                );
             }
         }
     }
@@ -479,5 +487,36 @@ pub fn feather_lod(
             &birds.grid.slice(at..at + 4),
             format!("feather_cards_{name}"),
         );
+    }
+}
+
+/// Turns the lists round behind the prepass of depth: it leaves the nearest whatever the order, and is cheapest where what hides others
+/// comes first; in color what should be seen comes last (docs/bevy_view.md#layering).
+pub fn raise_lists(
+    _view: ViewQuery<&ExtractedCamera, With<DepthPrepass>>,
+    birds: Res<LodBirds>,
+    lists: Res<CardLists>,
+    pipelines: Option<Res<ListPipelines>>,
+    cache: Res<PipelineCache>,
+    mut ctx: RenderContext,
+) {
+    let Some(pipelines) = pipelines else {
+        return;
+    };
+    let encoder = ctx.command_encoder();
+    let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
+        label: Some("feather_lists"),
+        timestamp_writes: None,
+    });
+    for bird in &birds.birds {
+        if bird.order_window > 0.0 {
+            lists.write(
+                bird.entity,
+                CardOrder::Rising,
+                &pipelines,
+                &cache,
+                &mut pass,
+            );
+        }
     }
 }

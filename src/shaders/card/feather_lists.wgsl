@@ -1,4 +1,4 @@
-// The triangles of a bird's cards, listed class by class in the order of its mesh, so that a pipeline draws those of its own class alone
+// The triangles of a bird's cards, listed class by class by the layers of the cards, so that a pipeline draws those of its own class alone
 // (docs/book/lod.md#lists).
 #import bevy_plumage::feather_data as data
 
@@ -10,6 +10,8 @@ struct ListParams {
     first_word: u32,
     // 1: two indices in a word.
     short_indices: u32,
+    // 1: listed the other way round than `patches` says.
+    turned: u32,
 }
 
 const NOTHING: u32 = 0xffffffffu;
@@ -62,9 +64,10 @@ struct Place {
     count: u32,
 }
 
+// The card that is listed at `place`. `turned`: see is_turned.
 fn place_at(place: u32, turned: bool) -> Place {
     let last = card_count() - 1u;
-    let at = select(place, last - place, turned);
+    let at = select(place, last - place, params.turned != 0u);
     let first = min(patches[at].w, params.index_count);
     var end = params.index_count;
     if (at < last) {
