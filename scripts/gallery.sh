@@ -38,7 +38,7 @@ judge() { # bird, view, picture
 }
 for bird in $birds; do
     echo "gallery: $bird from four sides"
-    ${CARGO:-cargo} run -q --features inspector,photo --example "$bird" -- --headless --size "$size" --accumulate "$(samples_of "$bird")" \
+    ${CARGO:-cargo} run -q --features inspector,photo --example "$bird" -- --headless --size "$size" --accumulate "$(samples_of "$bird")" --depth-prepass \
         --shot "hero=$large/$bird.png" --shot "full=$large/${bird}_full.png" --shot "back=$large/${bird}_back.png" \
         --shot "head=$large/${bird}_head.png" --masks "$large/masks" --stats "$out/stats" >/dev/null
     for picture in "$bird" "${bird}_full" "${bird}_back" "${bird}_head"; do

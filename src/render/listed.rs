@@ -21,10 +21,9 @@ use bevy::{
     material::labels::DrawFunctionLabel,
     pbr::{
         DrawMesh, MainPassAlphaMaskDrawFunction, MainPassOpaqueDrawFunction, MeshMaterial3d,
-        PreparedMaterial, PrepassAlphaMaskDrawFunction, PrepassOpaqueDepthOnlyDrawFunction,
-        PrepassOpaqueDrawFunction, PreprocessPipelines, SetMaterialBindGroup, SetMeshBindGroup,
-        SetMeshViewBindGroup, SetMeshViewBindingArrayBindGroup, SetPrepassViewBindGroup,
-        SetPrepassViewEmptyBindGroup,
+        PreparedMaterial, PrepassAlphaMaskDrawFunction, PrepassOpaqueDrawFunction,
+        PreprocessPipelines, SetMaterialBindGroup, SetMeshBindGroup, SetMeshViewBindGroup,
+        SetMeshViewBindingArrayBindGroup, SetPrepassViewBindGroup, SetPrepassViewEmptyBindGroup,
     },
     prelude::*,
     render::{
@@ -129,7 +128,8 @@ fn draw_by_lists(
     mask_depth: Res<DrawFunctions<AlphaMask3dPrepass>>,
 ) {
     let depth = opaque_depth.read().id::<DrawDepth>();
-    let own: [(_, DrawFunctionId); 5] = [
+    // Not the function of depth alone: Bevy draws meshes of several materials in one draw with it, by the bind group of the first.
+    let own: [(_, DrawFunctionId); 4] = [
         (
             MainPassOpaqueDrawFunction.intern(),
             opaque.read().id::<DrawColor>(),
@@ -139,7 +139,6 @@ fn draw_by_lists(
             mask.read().id::<DrawColor>(),
         ),
         (PrepassOpaqueDrawFunction.intern(), depth),
-        (PrepassOpaqueDepthOnlyDrawFunction.intern(), depth),
         (
             PrepassAlphaMaskDrawFunction.intern(),
             mask_depth.read().id::<DrawDepth>(),

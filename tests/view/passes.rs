@@ -267,6 +267,53 @@ fn a_depth_prepass_changes_no_color() {
     );
 }
 
+/// Bevy draws many meshes at once where their material does not matter; that of feathers always does. Two birds that are not alike are
+/// drawn with their own cards in the depth prepass, too.
+#[test]
+fn a_depth_prepass_knows_every_bird() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let camera = stage.camera;
+    stage.app.world_mut().spawn((
+        DirectionalLight::default(),
+        Transform::from_xyz(0.4, 0.5, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
+    for transparency in [
+        FeatherTransparency::AlphaToCoverage,
+        FeatherTransparency::Hashed,
+    ] {
+        let mut quality = showing(DebugView::None, transparency);
+        quality.settings.order_window = 0.0;
+        let birds = [(15, -0.04), (60, 0.04)]
+            .map(|(count, x)| spawn_patch(&mut stage, count, Vec3::new(x, 0.0, 0.0), quality));
+        stage.settle();
+        let msaa = match transparency {
+            FeatherTransparency::Hashed => Msaa::Off,
+            _ => Msaa::Sample4,
+        };
+        let place = Transform::from_xyz(0.0, 0.0, 0.5);
+        let mut eye = stage.app.world_mut().entity_mut(camera);
+        eye.insert((msaa, place)).remove::<DepthPrepass>();
+        frames(&mut stage, 3);
+        let without = stage.picture();
+        stage
+            .app
+            .world_mut()
+            .entity_mut(camera)
+            .insert(DepthPrepass);
+        frames(&mut stage, 3);
+        let off = rms(&stage.picture(), &without);
+        println!("{transparency:?}: {off}, mean {}", mean(&without));
+        assert!(mean(&without) > 0.02, "nothing is lit");
+        assert!(off < 1.0 / 255.0, "{transparency:?}: {off}");
+        for bird in birds {
+            stage.app.world_mut().entity_mut(bird).despawn();
+        }
+        frames(&mut stage, 2);
+    }
+}
+
 #[derive(Component)]
 struct Drift(Vec3);
 
