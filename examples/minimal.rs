@@ -2,7 +2,10 @@
 //!
 //! `cargo run --example minimal`. Leaves with an error code when no feathers grow.
 
-use bevy::{gltf::GltfAssetLabel, prelude::*, world_serialization::WorldAssetRoot};
+use bevy::{
+    core_pipeline::prepass::DepthPrepass, gltf::GltfAssetLabel, prelude::*,
+    world_serialization::WorldAssetRoot,
+};
 use bevy_plumage::prelude::*;
 
 fn main() -> AppExit {
@@ -25,6 +28,8 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) {
     ));
     commands.spawn((
         Camera3d::default(),
+        // Less than half the time on a GPU, and feathers in better order.
+        DepthPrepass,
         Transform::from_xyz(1.0, 0.4, 1.2).looking_at(Vec3::ZERO, Vec3::Y),
     ));
 }
