@@ -3,7 +3,7 @@
 //!
 //! That test is done by the counters themselves, against an image of depths that every fragment writes in the order of submission; with
 //! several samples a pixel a fragment hides what is behind it only where it covers all. The driver's own test goes on: a software renderer may
-//! do it, sample by sample, before fragments run (llvmpipe does in color passes), and then only what it lets through is counted at all. The
+//! do it, sample by sample, before fragments run (llvmpipe does), and then only what it lets through is counted at all. The
 //! picture stays what it was.
 
 use super::spirv::{Costs, Instruction, Module, op};
