@@ -1,6 +1,9 @@
 //! The camera of the examples and its shots.
 
-use super::{Args, Shot, args::DepthFirst, backdrop, foreground, scene::Sky, setting::Setting};
+use super::{
+    Args, Shot, args::DepthFirst, backdrop, foreground, headless::in_software, scene::Sky,
+    setting::Setting,
+};
 use bevy::{
     camera::{Exposure, Hdr, RenderTarget},
     core_pipeline::{oit::OrderIndependentTransparencySettings, prepass::DepthPrepass},
@@ -8,7 +11,6 @@ use bevy::{
     render::renderer::RenderAdapterInfo,
 };
 use bevy_plumage::prelude::*;
-use wgpu_types::DeviceType;
 
 /// A shot: where the camera stands and what it looks at.
 #[derive(Clone, Copy, Debug)]
@@ -153,7 +155,7 @@ fn spawn_camera(
     let depth_first = match args.depth_prepass {
         DepthFirst::On => true,
         DepthFirst::Off => false,
-        DepthFirst::Gpu => adapter.device_type != DeviceType::Cpu,
+        DepthFirst::Gpu => !in_software(&adapter),
     };
     if depth_first {
         camera.insert(DepthPrepass);

@@ -3,13 +3,13 @@
 
 use super::{
     gpu_clock,
-    headless::{Apps, capture, frame},
+    headless::{Apps, capture, frame, in_software},
+    stats,
 };
 use bevy::{diagnostic::DiagnosticsStore, prelude::*, render::renderer::RenderAdapterInfo};
 use bevy_plumage::prelude::*;
 use cpu_time::ProcessTime;
 use std::{fmt::Write, fs, path::Path};
-use wgpu_types::DeviceType;
 
 /// A card that is timed; `true`: with its thin layers.
 #[derive(Component)]
@@ -37,24 +37,23 @@ fn cards_of(app: &App, class: &str) -> f64 {
 /// Frames after a change of what is shown until every pass draws it.
 pub const SETTLE: usize = 2;
 
-/// Whether the processor draws: there, what a frame costs is processor time with every thread that draws it (wall time follows what
-/// else the machine does), on a GPU its own time.
-fn in_software(app: &App) -> bool {
-    app.world().resource::<RenderAdapterInfo>().device_type == DeviceType::Cpu
-}
-
-/// Which time [`seconds`] measures, and on what.
+/// Which time [`seconds`] measures, and on what: where software draws, processor time with every thread that draws (wall time follows
+/// what else the machine does), on a GPU its own.
 pub fn clock(app: &App) -> String {
-    let adapter = &app.world().resource::<RenderAdapterInfo>().name;
-    let time = if in_software(app) { "processor" } else { "GPU" };
-    format!("{time} time on {adapter}")
+    let adapter = app.world().resource::<RenderAdapterInfo>();
+    let time = if in_software(adapter) {
+        "processor"
+    } else {
+        "GPU"
+    };
+    format!("{time} time on {}", adapter.name)
 }
 
 /// Seconds of one frame, by the [`clock`] of the adapter; not a number if a GPU has none.
 pub fn seconds(app: &mut App) -> f64 {
     let start = ProcessTime::now();
     frame(app);
-    if in_software(app) {
+    if in_software(app.world().resource::<RenderAdapterInfo>()) {
         start.elapsed().as_secs_f64()
     } else {
         gpu_clock::seconds(app).unwrap_or(f64::NAN)
@@ -109,21 +108,6 @@ const WARM_UP: usize = 3;
 /// Frames over which diagnostics average.
 const GPU_WARM_UP: usize = 120;
 
-/// Mean GPU milliseconds of the passes that Bevy times, of the last frames.
-fn passes(app: &App) -> String {
-    let store = app.world().resource::<DiagnosticsStore>();
-    let mut passes: Vec<(String, f64)> = store
-        .iter()
-        .filter_map(|d| {
-            let name = d.path().as_str().strip_prefix("render/")?;
-            Some((name.strip_suffix("/elapsed_gpu")?.to_owned(), d.average()?))
-        })
-        .collect();
-    passes.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let passes = passes.iter().map(|(name, ms)| format!("{name} {ms:.3}"));
-    passes.collect::<Vec<_>>().join(", ")
-}
-
 /// Time of whole frames of two apps that show the same scene, with its feathers and with the same cards in a `StandardMaterial`, over
 /// `rounds` rounds; of the feathers also with those drawn that the skin hides. Prints the least of each, their ratios, and by how much
 /// hidden cards change the picture; on a GPU also its passes.
@@ -172,13 +156,22 @@ pub fn compare_cards(
         steps.len(),
         steps.iter().max().unwrap_or(&0),
     );
-    if !in_software(feathers) {
+    if !in_software(feathers.world().resource::<RenderAdapterInfo>()) {
         for _ in 0..GPU_WARM_UP {
             frame(feathers);
             frame(cards);
         }
         for (app, what) in [(feathers, "feathers"), (cards, "cards")] {
-            println!("{name}: milliseconds of passes, {what}: {}", passes(app));
+            let mut passes = stats::passes(app);
+            passes.sort_by(|a, b| b.1.total_cmp(&a.1));
+            let passes = passes
+                .iter()
+                .map(|(name, time)| format!("{name} {time:.3}"));
+            let passes: Vec<String> = passes.collect();
+            println!(
+                "{name}: milliseconds of passes, {what}: {}",
+                passes.join(", ")
+            );
         }
     }
     Ok(())

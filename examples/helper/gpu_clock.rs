@@ -2,12 +2,13 @@
 //! passes one by one, and those of shadow maps not at all.)
 
 use bevy::{
+    ecs::system::SystemParam,
     prelude::*,
     render::{
         GpuResourceAppExt, RenderApp,
         render_resource::{
-            Buffer, BufferDescriptor, BufferUsages, CommandEncoderDescriptor, MapMode, PollType,
-            WgpuFeatures,
+            Buffer, BufferDescriptor, BufferUsages, CommandEncoder, CommandEncoderDescriptor,
+            MapMode, PollType, WgpuFeatures,
         },
         renderer::{
             PendingCommandBuffers, RenderDevice, RenderGraph, RenderGraphSystems, RenderQueue,
@@ -81,30 +82,37 @@ impl Plugin for GpuClockPlugin {
     }
 }
 
-fn begin(
-    clock: Res<GpuClock>,
-    device: Res<RenderDevice>,
-    mut pending: ResMut<PendingCommandBuffers>,
-) {
-    if let Some(stamps) = &clock.0 {
-        let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
-        encoder.write_timestamp(&stamps.queries, 0);
-        pending.push([encoder.finish()]);
+/// What records the commands of a stamp: between those of the frame.
+#[derive(SystemParam)]
+struct Recorder<'w> {
+    clock: Res<'w, GpuClock>,
+    device: Res<'w, RenderDevice>,
+    pending: ResMut<'w, PendingCommandBuffers>,
+}
+
+impl Recorder<'_> {
+    fn record(&mut self, commands: impl FnOnce(&Stamps, &mut CommandEncoder)) {
+        let Some(stamps) = &self.clock.0 else {
+            return;
+        };
+        let mut encoder = self
+            .device
+            .create_command_encoder(&CommandEncoderDescriptor::default());
+        commands(stamps, &mut encoder);
+        self.pending.push([encoder.finish()]);
     }
 }
 
-fn end(
-    clock: Res<GpuClock>,
-    device: Res<RenderDevice>,
-    mut pending: ResMut<PendingCommandBuffers>,
-) {
-    if let Some(stamps) = &clock.0 {
-        let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
+fn begin(mut recorder: Recorder) {
+    recorder.record(|stamps, encoder| encoder.write_timestamp(&stamps.queries, 0));
+}
+
+fn end(mut recorder: Recorder) {
+    recorder.record(|stamps, encoder| {
         encoder.write_timestamp(&stamps.queries, 1);
         encoder.resolve_query_set(&stamps.queries, 0..2, &stamps.resolved, 0);
         encoder.copy_buffer_to_buffer(&stamps.resolved, 0, &stamps.read, 0, BYTES);
-        pending.push([encoder.finish()]);
-    }
+    });
 }
 
 /// GPU seconds of the last frame, which the GPU must have finished. `None`: the device has no clock.

@@ -53,6 +53,11 @@ pub fn adapter_exists() -> bool {
     !pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY)).is_empty()
 }
 
+/// Whether the processor draws.
+pub fn in_software(adapter: &RenderAdapterInfo) -> bool {
+    adapter.device_type == DeviceType::Cpu
+}
+
 /// Runs `app` to its picture.
 pub fn run(mut app: App, name: &str, args: &Args) -> AppExit {
     let outcome = picture(&mut app, name, args);
@@ -82,7 +87,7 @@ fn prepare(app: &mut App, name: &str, args: &Args) -> Result<Handle<Image>, Stri
     app.insert_resource(OffScreen(image.clone()));
     let adapter = app.world().resource::<RenderAdapterInfo>();
     println!("{name}: off screen, on {}", adapter.name);
-    if adapter.device_type == DeviceType::Cpu {
+    if in_software(adapter) {
         // Shadow maps are the most expensive part of a picture drawn in software.
         app.insert_resource(DirectionalLightShadowMap { size: 1024 });
     }

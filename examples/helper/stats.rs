@@ -1,9 +1,23 @@
 //! The statistics an example writes.
 
-use bevy::{diagnostic::DiagnosticsStore, prelude::*, render::renderer::RenderAdapterInfo};
+use bevy::{
+    diagnostic::{Diagnostic, DiagnosticsStore},
+    prelude::*,
+    render::renderer::RenderAdapterInfo,
+};
 use bevy_plumage::{PlumageCards, prelude::*};
 use serde_json::{Map, Value, json};
 use std::time::Duration;
+
+/// Mean GPU milliseconds of the passes that Bevy times, of the last frames.
+pub fn passes(app: &App) -> Vec<(String, f64)> {
+    let store = app.world().resource::<DiagnosticsStore>();
+    let elapsed = |d: &Diagnostic| {
+        let name = d.path().as_str().strip_prefix("render/")?;
+        Some((name.strip_suffix("/elapsed_gpu")?.to_owned(), d.average()?))
+    };
+    store.iter().filter_map(elapsed).collect()
+}
 
 /// Collects everything the run has measured.
 pub fn collect(app: &mut App, times: &mut [Duration]) -> Value {
@@ -41,16 +55,9 @@ pub fn collect(app: &mut App, times: &mut [Duration]) -> Value {
             ((*name).into(), json!(count as u64))
         })
         .collect();
-    let passes: Map<String, Value> = store
-        .iter()
-        .filter_map(|d| {
-            let name = d
-                .path()
-                .as_str()
-                .strip_prefix("render/")?
-                .strip_suffix("/elapsed_gpu")?;
-            Some((name.to_owned(), json!(d.average()?)))
-        })
+    let passes: Map<String, Value> = passes(app)
+        .into_iter()
+        .map(|(name, time)| (name, json!(time)))
         .collect();
     let adapter = app.world().resource::<RenderAdapterInfo>();
     json!({

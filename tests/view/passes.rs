@@ -179,19 +179,25 @@ fn silhouettes_agree_in_color_depth_and_shadow() {
     assert!(worst < 0.01, "silhouettes differ:\n{report}");
 }
 
+/// A stage under a sun from the upper right.
+fn lit_stage() -> Option<Stage> {
+    let mut stage = Stage::new()?;
+    stage.app.world_mut().spawn((
+        DirectionalLight::default(),
+        Transform::from_xyz(0.4, 0.5, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
+    Some(stage)
+}
+
 /// Behind a depth prepass the color pass shades only what shows, by other pipelines: nothing else may change (with the window of the
 /// order closed, which is there to change it). Cards of every
 /// class are drawn by pipelines of their own, too: together they show what one pipeline for all of them shows.
 #[test]
 fn a_depth_prepass_changes_no_color() {
-    let Some(mut stage) = Stage::new() else {
+    let Some(mut stage) = lit_stage() else {
         return;
     };
     let camera = stage.camera;
-    stage.app.world_mut().spawn((
-        DirectionalLight::default(),
-        Transform::from_xyz(0.4, 0.5, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
-    ));
     let bird = spawn_patch(
         &mut stage,
         40,
@@ -271,14 +277,10 @@ fn a_depth_prepass_changes_no_color() {
 /// drawn by its own classes in the depth prepass, not by those of one beside the view, whose cards are culled.
 #[test]
 fn a_depth_prepass_knows_every_bird() {
-    let Some(mut stage) = Stage::new() else {
+    let Some(mut stage) = lit_stage() else {
         return;
     };
     let camera = stage.camera;
-    stage.app.world_mut().spawn((
-        DirectionalLight::default(),
-        Transform::from_xyz(0.4, 0.5, 1.0).looking_at(Vec3::ZERO, Vec3::Y),
-    ));
     let place = Transform::from_xyz(0.0, 0.0, 0.25);
     stage.app.world_mut().entity_mut(camera).insert(place);
     let mut quality = showing(DebugView::None, FeatherTransparency::AlphaToCoverage);

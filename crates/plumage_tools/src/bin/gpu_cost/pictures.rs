@@ -142,8 +142,8 @@ pub fn run(args: &Args, folder: &Path, state: &str) -> Result<String> {
     const CARDS: [&str; 2] = ["StandardMaterial, cut out", "meshes, cut out, shadow"];
     let mut text = format!(
         "# What a frame runs, {state}\n\n`gpu_cost --pictures {} --transparency {}`, {} pixels, on a software renderer; slots of {}. Fragments: those that \
-         run; llvmpipe has already left out those all of whose samples lie behind what was drawn before. Early: those of them in front of all whole pixels drawn before; kept: no holes either. Slots: each instruction once, and \
-         as the blocks of the shader ran, by a model of its SPIR-V.\n",
+         run; llvmpipe has already left out those all of whose samples lie behind what was drawn before. Early: those \
+         of them in front of all whole pixels drawn before; kept: no holes either. Slots: each instruction once, and as the blocks of the shader ran, by a model of its SPIR-V.\n",
         args.pictures.join(" "),
         args.transparency,
         args.size,
