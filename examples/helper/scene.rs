@@ -166,7 +166,7 @@ pub struct Breast(pub Vec3, pub f32);
 /// Of the parrot of `assets/birds`.
 pub const PARROT_BREAST: Breast = Breast(Vec3::new(0.0, 0.165, 0.035), 0.027);
 /// Of the eagle.
-pub const EAGLE_BREAST: Breast = Breast(Vec3::new(0.0, 0.33, 0.08), 0.045);
+pub const EAGLE_BREAST: Breast = Breast(Vec3::new(0.0, 0.34, 0.08), 0.036);
 /// Of the owl.
 pub const OWL_BREAST: Breast = Breast(Vec3::new(0.0, 0.14, 0.05), 0.03);
 

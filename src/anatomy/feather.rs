@@ -231,7 +231,7 @@ pub struct Pattern {
     pub rim: Option<Rim>,
     /// Cross bars.
     pub bars: Option<Bars>,
-    /// Fine mottling: amplitude of the value noise, 0..1.
+    /// Fine mottling, in streaks along the barbs: amplitude of the value noise, 0..1.
     #[reflect(@Parameter::share())]
     pub mottle: f32,
 }

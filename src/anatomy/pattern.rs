@@ -90,8 +90,12 @@ impl Canvas<'_> {
             paint = blend(paint, with_tint(color, tint), rim);
         }
         if pattern.mottle > 0.0 {
-            let grain = 0.7 * noise(across * 6.0, y / self.half_width * 3.5, 2.5)
-                + 0.5 * noise(across * 14.0, y / self.half_width * 9.0, 3.5);
+            // A barb keeps its tone, its neighbors differ: streaks along the barbs.
+            let barb =
+                card::barb_root(point, self.feather.vane(side).cotangent()) / self.half_width;
+            let seed = if x < 0.0 { 2.5 } else { 12.5 };
+            let grain = 0.7 * noise(across * 1.5, barb * 3.5, seed)
+                + 0.5 * noise(across * 3.0, barb * 9.0, seed + 1.0);
             let value = 1.0 + pattern.mottle * grain;
             for channel in &mut paint[..3] {
                 *channel = (*channel * value).clamp(0.0, 1.0);

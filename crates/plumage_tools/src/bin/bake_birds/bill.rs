@@ -4,6 +4,7 @@ use std::f32::consts::{PI, TAU};
 
 use bevy::math::{Vec2, Vec3};
 
+use crate::body::Body;
 use crate::maps::{Maps, Strip, Texel, cloud, ease, mix, noise};
 use crate::skeleton::Skeleton;
 use crate::species::{Bill, Slice, Species, linear};
@@ -25,7 +26,7 @@ const LOWER: [usize; 2] = [28, 32];
 const EDGE: f32 = -0.35;
 
 /// The bill with its texture.
-pub fn bill(species: &Species, skeleton: &Skeleton) -> (Primitive, Maps) {
+pub fn bill(species: &Species, skeleton: &Skeleton, body: &Body) -> (Primitive, Maps) {
     let b = &species.bill;
     let maps = Maps::paint(
         SIZE,
@@ -56,7 +57,7 @@ pub fn bill(species: &Species, skeleton: &Skeleton) -> (Primitive, Maps) {
         ..ring
     });
     out.tube(&sections.collect::<Vec<_>>(), LOWER[1], STRIPS[1].v);
-    gape(&mut out, skeleton, b);
+    gape(&mut out, skeleton, b, body);
     out.tint(&maps);
     (out, maps)
 }
@@ -266,8 +267,8 @@ fn gape_length(path: &[[f32; 3]]) -> f32 {
         .sum()
 }
 
-/// The fleshy rim of the gape.
-fn gape(out: &mut Primitive, skeleton: &Skeleton, b: &Bill) {
+/// The fleshy rim of the gape: it leaves the bill, lies down on the cheek and runs out in its feathers.
+fn gape(out: &mut Primitive, skeleton: &Skeleton, b: &Bill, body: &Body) {
     let path: Vec<Vec3> = b.gape.iter().map(|p| Vec3::from_array(*p)).collect();
     if path.len() < 2 {
         return;
@@ -281,11 +282,16 @@ fn gape(out: &mut Primitive, skeleton: &Skeleton, b: &Bill) {
             .map(|i| {
                 let at = i as f32 / 6.0;
                 let k = (at as usize).min(last - 1);
-                let centre = path[k].lerp(path[k + 1], at - k as f32);
+                let off = path[k].lerp(path[k + 1], at - k as f32);
                 let along = (path[k + 1] - path[k]).normalize();
                 let across = along.cross(Vec3::Y).normalize();
                 let share = at / last as f32;
-                let thin = 1.0 - 0.85 * share.powi(4);
+                let thin = 1.0 - 0.85 * share.powi(2);
+                let skin = body.project(off, 4);
+                let centre = off.lerp(
+                    skin - body.normal(skin) * (0.3 * wide * share),
+                    ease(0.1, 0.5, share),
+                );
                 Ring::round(
                     centre * flip,
                     across * flip * (wide * thin),

@@ -3,7 +3,7 @@
 use bevy::math::Vec3;
 
 use crate::loft::{Head, Hit, Trunk};
-use crate::species::Species;
+use crate::species::{SHOULDER, Species};
 use crate::wing::WingPlane;
 
 /// Radius of the hollow in which the folded forearm lies, in the forearm's own.
@@ -104,18 +104,17 @@ impl<'a> Body<'a> {
     }
 
     /// Distances to the plumage that buries the folded arm: along the humerus, and from the shoulder down to the wrist.
-    pub fn shoulder(&self, p: Vec3) -> Option<[f32; 2]> {
-        let shoulder = self.species.shoulder?;
-        let radius = shoulder.thickness * self.species.arm[0];
-        let inward = Vec3::X * (shoulder.buried * self.species.arm[0]);
+    pub fn shoulder(&self, p: Vec3) -> [f32; 2] {
+        let radius = SHOULDER.thickness * self.species.arm[0];
+        let inward = Vec3::X * (SHOULDER.buried * self.species.arm[0]);
         let [top, elbow, wrist, ..] = self.folded.map(|point| point - inward);
         let p = Vec3::new(p.x.abs(), p.y, p.z);
         // Thinner towards the wrist, which breast and flank cover.
         let ends = [
-            (top.lerp(elbow, shoulder.reach), radius),
-            (wrist.lerp(top, shoulder.before), FRONT * radius),
+            (top.lerp(elbow, SHOULDER.reach), radius),
+            (wrist.lerp(top, SHOULDER.before), FRONT * radius),
         ];
-        Some(ends.map(|(end, narrow)| cone(p, top, end, [radius, narrow]).0))
+        ends.map(|(end, narrow)| cone(p, top, end, [radius, narrow]).0)
     }
 
     /// Distances to each part.
@@ -182,11 +181,9 @@ impl<'a> Body<'a> {
         // Those of the flank lie flat below the folded forearm, which they bed.
         let radius = BED * self.species.arm[1];
         let bed = cone(p, elbow, wrist, [radius; 2]).0;
-        let mut trunk = -smooth_min(-trunk, bed, radius);
-        if let (Some([arm, front]), Some(shoulder)) = (self.shoulder(p), self.species.shoulder) {
-            trunk = smooth_min(trunk, arm.min(front), shoulder.blend * s);
-        }
-        trunk
+        let trunk = -smooth_min(-trunk, bed, radius);
+        let [arm, front] = self.shoulder(p);
+        smooth_min(trunk, arm.min(front), SHOULDER.blend * s)
     }
 
     /// Signed distance, approximate away from the surface.

@@ -84,7 +84,7 @@ pub fn build(species: &Species) -> Model {
         maps: Some(maps),
         skin: false,
     };
-    let bill = bill::bill(species, &skeleton);
+    let bill = bill::bill(species, &skeleton, &body);
     let face = species
         .naked
         .map(|sheet| naked::face(&body, &skeleton, &sheet, &bill.0));

@@ -126,18 +126,13 @@ pub fn classify(body: &Body, p: Vec3) -> Tract {
     let [vent, belly] = arcs.ventral;
     // Beside the back stand the scapulars.
     let beside = theta > 62.0 || arc > arcs.scapulars;
-    if beside
-        && body
-            .shoulder(q)
-            .is_some_and(|[arm, front]| arm < (OVER_ARM * s.arm[0]).min(front))
-    {
+    let [arm, front] = body.shoulder(q);
+    if beside && arm < (OVER_ARM * s.arm[0]).min(front) {
         return Tract::Shoulder;
     }
     if arc >= mantle {
         // The plumage before the folded wing is no hind neck, as high up as it may lie.
-        let before = body
-            .shoulder(q)
-            .is_some_and(|[_, front]| front < OVER_ARM * s.arm[0]);
+        let before = front < OVER_ARM * s.arm[0];
         return if theta < arcs.neck && before {
             Tract::Mantle
         } else if theta < arcs.neck {

@@ -137,12 +137,9 @@ fn raw(body: &Body, skeleton: &Skeleton, names: &Names, n: usize, p: Vec3) -> Ve
 
     let core = parts.trunk.distance.min(parts.head.distance);
     legs(body, names, side, &parts.legs, core, q, &mut w);
-    let swollen = if s.swell_on_chest {
-        let trunk = body.trunk_in_plumage(q, parts.trunk.distance);
-        trunk.min(parts.head.distance)
-    } else {
-        core
-    };
+    // The swell before the wing goes with the chest where the wing's skin reaches it, so that the breast stays smooth over the folded wrist.
+    let trunk = body.trunk_in_plumage(q, parts.trunk.distance);
+    let swollen = trunk.min(parts.head.distance);
     wing(
         body,
         names,

@@ -4,7 +4,7 @@ use super::coat::{self, RowLook, TailCoverts, TractRow, look, row};
 use super::coat::{CONTOUR, HEAD, LESSER, TRUNK};
 use super::face::{BareFace, Bill, Brow, Cere, EyeRim, Ledge, LoreArea, Naked};
 use super::motion::{Jaw, Motion};
-use super::{Arcs, Shoulder, Species, WingPose};
+use super::{Arcs, Species, WingPose};
 use crate::tract::Tract::{self, *};
 
 /// The bird.
@@ -126,16 +126,8 @@ pub fn species() -> Species {
         fine_head: true,
         swell_scale: 1.9,
         swell_blend: 45.,
-        swell_on_chest: true,
         shoulder_reach: 80.,
         shoulder_hold: 0.9,
-        shoulder: Some(Shoulder {
-            thickness: 1.6,
-            buried: 1.0,
-            before: 0.1,
-            reach: 0.5,
-            blend: 38.,
-        }),
         brow: Some(BROW),
         bill: BILL,
         gaze: [0.84, 0.02, 0.54],
@@ -207,7 +199,7 @@ const BILL: Bill = Bill {
         [35.0, 500.5, 79.0],
         [38.0, 503.0, 72.0],
     ],
-    gape_size: [1.8, 2.3],
+    gape_size: [1.5, 1.9],
 };
 
 /// The ridge that gives the eagle its scowl.
@@ -240,10 +232,10 @@ const NAKED: Naked = Naked {
 
 /// The bony edge of the brow.
 const LEDGE: Ledge = Ledge {
-    path: [[-6.0, 6.5, 17.0], [2.6, 8.6, 5.0], [-1.0, 8.0, -12.0]],
-    half: [5.6, 1.6],
+    path: [[-7.0, 6.0, 17.0], [1.6, 8.4, 5.0], [-2.0, 7.6, -13.0]],
+    half: [4.6, 1.3],
     droop: 0.8,
-    color: 0x32281E,
+    color: 0x281E16,
 };
 
 const MOTION: Motion = Motion {
@@ -335,7 +327,7 @@ const TRACTS: &[TractRow] = &[
     row("filler", TRUNK, "semiplume", 60, 0, (26., 42.), (28., 36.), (2., 2.), (0., 0.), (0., 0., LESSER), (0x756A5E, 0x756A5E)),
     row("lesser_upper", &[LesserUpper], "lesser", 380, 0, (38., 28.), (24., 25.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0x56493E, 0x52463B)),
     row("elbow", &[Elbow], "lesser", 60, 0, (30., 38.), (24., 30.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0x52463B, 0x52463B)),
-    row("marginal_upper", &[MarginalUpper], "body", 580, 0, (16., 30.), (12., 17.), (0.5, 0.5), (0.05, 14.), (0.3, 1100., HEAD), (0x4A3E34, 0x52463B)),
+    row("marginal_upper", &[MarginalUpper], "head", 580, 0, (16., 30.), (12., 17.), (0.5, 0.5), (0.05, 14.), (0.3, 1100., HEAD), (0x4A3E34, 0x52463B)),
     row("lesser_under", &[LesserUnder], "body", 246, 6, (28., 50.), (22., 32.), (4., 4.), (0.06, 10.), (0.5, 1000., LESSER), (0x473B32, 0x473B32)),
     row("marginal_under", &[MarginalUnder], "body", 430, 0, (10., 26.), (8., 15.), (4., 4.), (0.08, 15.), (0.3, 1100., HEAD), (0x4F4237, 0x4F4237)),
     row("femoral", &[Femoral], "trouser", 210, 0, (50., 72.), (26., 34.), (6., 5.), (0.07, 22.), (0.05, 600., CONTOUR), (0x4B3E35, 0x52453A)),

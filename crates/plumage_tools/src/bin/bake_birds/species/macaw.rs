@@ -4,7 +4,7 @@ use super::coat::{self, RowLook, TailCoverts, TractRow, look, row};
 use super::coat::{CONTOUR, HEAD, LESSER, TRUNK};
 use super::face::{BareFace, Bill, EyeRim, FaceLines, Naked, Patch};
 use super::motion::{Flick, Grip, Jaw, Motion};
-use super::{Arcs, Shoulder, Species, WingPose};
+use super::{Arcs, Species, WingPose};
 use crate::tract::Tract::{self, *};
 
 /// The bird.
@@ -126,16 +126,8 @@ pub fn species() -> Species {
         fine_head: false,
         swell_scale: 1.0,
         swell_blend: 66.,
-        swell_on_chest: true,
         shoulder_reach: 30.,
         shoulder_hold: 0.6,
-        shoulder: Some(Shoulder {
-            thickness: 1.6,
-            buried: 1.0,
-            before: 0.1,
-            reach: 0.5,
-            blend: 38.,
-        }),
         brow: None,
         bill: BILL,
         gaze: [0.93, 0.05, 0.36],

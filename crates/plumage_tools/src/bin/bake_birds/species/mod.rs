@@ -76,6 +76,15 @@ pub struct Shoulder {
     pub blend: f32,
 }
 
+/// That of every bird, found on the macaw.
+pub const SHOULDER: Shoulder = Shoulder {
+    thickness: 1.6,
+    buried: 1.0,
+    before: 0.1,
+    reach: 0.5,
+    blend: 38.0,
+};
+
 /// Everything that makes one bird.
 #[derive(Clone, Debug)]
 pub struct Species {
@@ -150,14 +159,10 @@ pub struct Species {
     pub swell_scale: f32,
     /// Over which the swell runs out into the trunk, mm on the macaw.
     pub swell_blend: f32,
-    /// The swell goes with the chest where the wing's skin reaches it, so that the breast stays smooth over the folded wrist.
-    pub swell_on_chest: bool,
     /// Distance over which the skin of the shoulder changes from chest to wing, mm.
     pub shoulder_reach: f32,
     /// Share of the skin at the shoulder that the chest keeps.
     pub shoulder_hold: f32,
-    /// Plumage over the folded arm.
-    pub shoulder: Option<Shoulder>,
     /// Ridge above the eye.
     pub brow: Option<Brow>,
     /// The bill.
