@@ -94,8 +94,8 @@ impl Canvas<'_> {
             let barb =
                 card::barb_root(point, self.feather.vane(side).cotangent()) / self.half_width;
             let seed = if x < 0.0 { 2.5 } else { 12.5 };
-            let grain = 0.7 * noise(across * 1.5, barb * 3.5, seed)
-                + 0.5 * noise(across * 3.0, barb * 9.0, seed + 1.0);
+            let grain = 0.7 * noise(across * 1.5, barb * 4.5, seed)
+                + 0.5 * noise(across * 3.0, barb * 13.0, seed + 1.0);
             let value = 1.0 + pattern.mottle * grain;
             for channel in &mut paint[..3] {
                 *channel = (*channel * value).clamp(0.0, 1.0);

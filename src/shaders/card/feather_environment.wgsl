@@ -67,8 +67,7 @@ fn sampled_environment(
     let shift = lattice_shift(f.frag_coord.xy);
     let n = f32(count);
     let width = max(high - low, 1e-4);
-    let cluster = clustered_forward::view_fragment_cluster_index(f.frag_coord.xy, f.view_z, feather_light::is_orthographic());
-    var ranges = clustered_forward::unpack_clusterable_object_index_ranges(cluster);
+    var ranges = clustered_forward::unpack_clusterable_object_index_ranges(f.cluster);
     var sum = vec3(0.0);
     let end = u32(clamp(ceil(high * n - shift.x), 0.0, n));
     for (var k = u32(clamp(ceil(low * n - shift.x), 0.0, n)); k < end; k++) {

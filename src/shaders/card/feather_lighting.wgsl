@@ -33,6 +33,8 @@ struct Fragment {
     frag_coord: vec4<f32>,
     view_z: f32,
     receives_shadow: bool,
+    // Of Bevy's clustered lights and probes.
+    cluster: u32,
 }
 
 fn fragment_of(world_position: vec4<f32>, normal: vec3<f32>, frag_coord: vec4<f32>, instance: u32) -> Fragment {
@@ -47,6 +49,7 @@ fn fragment_of(world_position: vec4<f32>, normal: vec3<f32>, frag_coord: vec4<f3
         vb::view.view_from_world[3].z,
     ), world_position);
     f.receives_shadow = (mesh[instance].flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;
+    f.cluster = clustered_forward::view_fragment_cluster_index(frag_coord.xy, f.view_z, is_orthographic());
     return f;
 }
 
@@ -99,8 +102,7 @@ fn directional_source(f: Fragment, index: u32) -> Source {
 
 // First point light, first spot light, end: indices for clustered_source.
 fn clustered_range(f: Fragment) -> vec3<u32> {
-    let cluster = clustered_forward::view_fragment_cluster_index(f.frag_coord.xy, f.view_z, is_orthographic());
-    let ranges = clustered_forward::unpack_clusterable_object_index_ranges(cluster);
+    let ranges = clustered_forward::unpack_clusterable_object_index_ranges(f.cluster);
     return vec3(
         ranges.first_point_light_index_offset,
         ranges.first_spot_light_index_offset,
@@ -206,13 +208,23 @@ struct Lights {
 fn lights_of(f: Fragment) -> Lights {
     var lights: Lights;
     lights.directional = directional_count();
+#ifdef LIT_VERTICES
+    // Under others no card is LIT.
+    lights.single = lights.directional;
+    lights.count = lights.directional;
+#else
     lights.clustered = clustered_range(f);
     lights.single = lights.directional + lights.clustered.z - min(lights.clustered.x, lights.clustered.z);
     lights.count = lights.single + around::rect_count();
+#endif
     return lights;
 }
 
 fn light_at(f: Fragment, lights: Lights, index: u32) -> Light {
+#ifdef LIT_VERTICES
+    let directional = true;
+    let source = directional_source(f, index);
+#else
     if (index >= lights.single) {
         let found = around::rect_sample(f.position.xyz, index - lights.single);
         return Light(found.direction, found.irradiance);
@@ -225,6 +237,7 @@ fn light_at(f: Fragment, lights: Lights, index: u32) -> Light {
         let at = lights.clustered.x + index - lights.directional;
         source = clustered_source(f, at, at >= lights.clustered.y);
     }
+#endif
     let direction = source.light.direction;
     let open = map_shadow(f, source, directional, index);
     let close = around::contact_shadow(f.position.xyz, f.frag_coord.xy, direction, source.near && open > 0.0);
@@ -246,14 +259,12 @@ fn environment(f: Fragment, normal: vec3<f32>, direction: vec3<f32>, roughness: 
     layer.NdotV = 1.0;
     layer.perceptual_roughness = roughness;
     layer.roughness = roughness * roughness;
-    let cluster = clustered_forward::view_fragment_cluster_index(f.frag_coord.xy, f.view_z, is_orthographic());
-    var ranges = clustered_forward::unpack_clusterable_object_index_ranges(cluster);
+    var ranges = clustered_forward::unpack_clusterable_object_index_ranges(f.cluster);
     let found = environment_map::compute_radiances(layer, &ranges, f.position.xyz, false);
     result.irradiance = found.irradiance;
     result.radiance = found.radiance;
 #endif
-    let here = clustered_forward::view_fragment_cluster_index(f.frag_coord.xy, f.view_z, is_orthographic());
-    result.irradiance = around::surrounding_irradiance(result.irradiance, f.position.xyz, normal, here);
+    result.irradiance = around::surrounding_irradiance(result.irradiance, f.position.xyz, normal, f.cluster);
     // Bevy's flat ambient light, in the same unit.
     result.irradiance += vb::lights.ambient_color.rgb;
     result.radiance += vb::lights.ambient_color.rgb;

@@ -97,7 +97,7 @@ fn streaked(downy: f32, sides: u32, mottle: f32) -> Albedo {
     let downy = downy * DOWN_SHOWN;
     both(Pattern {
         rim: Some(Rim {
-            width: 0.34,
+            width: 0.29,
             color: hex(sides),
             tint: 0.25,
         }),
