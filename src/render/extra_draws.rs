@@ -2,9 +2,9 @@
 //! cameras that Bevy would refuse.
 
 use super::{
-    key::{DrawnCards, FeatherTransparency},
+    key::{DrawnCards, DrawnUnder, FeatherTransparency},
     limits::{ActiveFeatherPath, FeatherPath},
-    material::FeatherMaterial,
+    material::{DebugView, Drawing, FeatherMaterial},
     prepare::FeatherQuality,
 };
 use crate::groom::{NotSkin, PlumageCards, PlumageSystems};
@@ -157,7 +157,7 @@ pub(super) struct ExtraDraw;
 
 /// On the card mesh: what else draws it.
 #[derive(Component)]
-struct ExtraDraws(Vec<(DrawnCards, Entity)>);
+struct ExtraDraws(Vec<(Drawing, Entity)>);
 
 /// What an extra draw takes over from the card mesh.
 #[derive(QueryData)]
@@ -191,13 +191,24 @@ fn follow<T: Component>(commands: &mut Commands, draw: Entity, what: Option<T>) 
 }
 
 /// What has to be drawn apart from a bird's own mesh.
-fn wanted(material: &FeatherMaterial, sorts: bool) -> &'static [DrawnCards] {
-    if material.light_budget() > 0.0 {
-        &[DrawnCards::Far, DrawnCards::Mean, DrawnCards::Lit]
+fn wanted(material: &FeatherMaterial, sorts: bool) -> &'static [Drawing] {
+    use DrawnUnder::{Any, Lamps, Suns};
+    const CLASSES: [Drawing; 5] = [
+        (DrawnCards::Far, Suns),
+        (DrawnCards::Far, Lamps),
+        (DrawnCards::Mean, Suns),
+        (DrawnCards::Mean, Lamps),
+        (DrawnCards::Lit, Suns),
+    ];
+    if material.settings.debug_view == DebugView::Overdraw && material.splits() {
+        // Bevy's own draws count, which do not leave those out that are for other lights.
+        &[(DrawnCards::Far, Any), (DrawnCards::Mean, Any)]
+    } else if material.light_budget() > 0.0 {
+        &CLASSES
     } else if material.splits() {
-        &[DrawnCards::Far, DrawnCards::Mean]
+        &CLASSES[..4]
     } else if sorts && material.transparency == FeatherTransparency::OrderIndependent {
-        &[DrawnCards::Core]
+        &[(DrawnCards::Core, Any)]
     } else {
         &[]
     }

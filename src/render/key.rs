@@ -43,6 +43,19 @@ pub enum DrawnCards {
     Lit,
 }
 
+/// Under which lights a material draws its cards. FAR and MEAN cards have pipelines for either, both there from the beginning, so that
+/// frames under suns do without the code of lamps and the first lamp finds its pipeline.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum DrawnUnder {
+    /// Whatever there is.
+    #[default]
+    Any,
+    /// Directional lights alone, and the sky.
+    Suns,
+    /// Point, spot or rectangle lights, too.
+    Lamps,
+}
+
 /// What of thin layers ([`Iridescence`](crate::Iridescence)) the shader knows. Their code is compiled for no bird that does
 /// without.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -89,6 +102,8 @@ pub struct FeatherPipelineKey {
     pub debug: bool,
     /// `FeatherMaterial::drawn`.
     pub drawn: DrawnCards,
+    /// `FeatherMaterial::under`.
+    pub under: DrawnUnder,
     /// `FeatherSettings::order_window` is open.
     pub ordered: bool,
     /// Fibres are read from their short tables.
@@ -191,6 +206,9 @@ impl FeatherPipelineKey {
         }
         if self.plain {
             defs.push("PLAIN_FIBRES".into());
+        }
+        if self.under == DrawnUnder::Suns {
+            defs.push("UNDER_SUNS".into());
         }
         defs
     }
@@ -363,12 +381,15 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
         FeatherTransparency::OrderIndependent,
         FeatherTransparency::Blend,
     ];
+    use DrawnUnder::{Any, Lamps, Suns};
     let drawings = [
-        DrawnCards::Own,
-        DrawnCards::Core,
-        DrawnCards::Far,
-        DrawnCards::Mean,
-        DrawnCards::Lit,
+        (DrawnCards::Own, Any),
+        (DrawnCards::Core, Any),
+        (DrawnCards::Far, Suns),
+        (DrawnCards::Far, Lamps),
+        (DrawnCards::Mean, Suns),
+        (DrawnCards::Mean, Lamps),
+        (DrawnCards::Lit, Suns),
     ];
     // What of sampled environment, lights together, overdraw, debug and thin layers goes together.
     use ThinLayers::{Even, Graded, None};
@@ -389,7 +410,7 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
     let mut keys = Vec::new();
     for coverage_method in methods {
         for transparency in transparencies {
-            for drawn in drawings {
+            for (drawn, under) in drawings {
                 let flags = shown
                     .iter()
                     .flat_map(|flags| [(*flags, false), (*flags, true)]);
@@ -404,6 +425,7 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
                         overdraw,
                         debug,
                         drawn,
+                        under,
                         ordered,
                         plain: false,
                         layers,

@@ -1,12 +1,12 @@
 //! What the shaders have to agree with, for the test that reads both.
 
 use super::{
+    lights::VERTEX_LIGHTS,
     lod,
     lod::CARD_COUNTERS,
     material,
     material::DebugView,
     pack::{CARD_VEC4S, FEATHER_STRIDE, HEADER_LENGTH, MAX_REGIONS, header, stack},
-    vertex_light::VERTEX_LIGHTS,
     wind::motion,
 };
 use crate::{

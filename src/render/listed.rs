@@ -3,7 +3,8 @@
 
 use super::{
     extra_draws::ExtraDraw,
-    key::DrawnCards,
+    key::{DrawnCards, DrawnUnder},
+    lights::WorldLights,
     lod::{CardLists, ListedDraw},
     material::FeatherMaterial,
 };
@@ -83,7 +84,8 @@ pub(super) fn add_systems(app: &mut App) {
         );
 }
 
-/// Which list each entity draws. What has a visibility range is culled by it on the GPU, too, which a list knows nothing of.
+/// Which list each entity draws, and which ones are for other lights than there are. What has a visibility range is culled by it on the
+/// GPU, too, which a list knows nothing of.
 fn extract_parts(
     mut lists: ResMut<CardLists>,
     parts: Extract<
@@ -92,21 +94,32 @@ fn extract_parts(
                 Entity,
                 &MeshMaterial3d<FeatherMaterial>,
                 Has<PlumageCards>,
+                Has<VisibilityRange>,
                 Option<&ChildOf>,
             ),
-            (
-                Or<(With<PlumageCards>, With<ExtraDraw>)>,
-                Without<VisibilityRange>,
-            ),
+            Or<(With<PlumageCards>, With<ExtraDraw>)>,
         >,
     >,
     materials: Extract<Res<Assets<FeatherMaterial>>>,
+    lights: Extract<Res<WorldLights>>,
 ) {
+    let idle = if lights.has_lamps() {
+        DrawnUnder::Suns
+    } else {
+        DrawnUnder::Lamps
+    };
     lists.clear_parts();
-    for (part, material, is_bird, of) in &parts {
+    for (part, material, is_bird, has_range, of) in &parts {
         let Some(material) = materials.get(material.id()).filter(|own| own.splits()) else {
             continue;
         };
+        if material.under == idle {
+            lists.add_idle(part.into());
+            continue;
+        }
+        if has_range {
+            continue;
+        }
         let list = match material.drawn {
             DrawnCards::Own => 0,
             DrawnCards::Far => 1,
@@ -197,6 +210,10 @@ impl<P: PhaseItem, const PASS: u32> RenderCommand<P> for DrawListed<PASS> {
         (lists, allocator, queue, cache, preprocess, param): SystemParamItem<'w, '_, Self::Param>,
         pass: &mut TrackedRenderPass<'w>,
     ) -> RenderCommandResult {
+        let lists = lists.into_inner();
+        if lists.is_idle(item.main_entity()) {
+            return RenderCommandResult::Skip;
+        }
         let single = item.batch_range().len() == 1
             && match item.extra_index() {
                 PhaseItemExtraIndex::IndirectParametersIndex { range, .. } => range.len() == 1,
@@ -204,7 +221,6 @@ impl<P: PhaseItem, const PASS: u32> RenderCommand<P> for DrawListed<PASS> {
             };
         let placed = preprocess.is_none_or(|pipelines| of_mesh && is_placed(&pipelines, &cache));
         let found = lists
-            .into_inner()
             .draw(item.main_entity(), camera, PASS)
             .filter(|_| single && placed && !culls);
         let Some(draw) = found else {

@@ -1,7 +1,9 @@
 //! [`FeatherMaterial`]: the look bound to the GPU.
 
 use super::{
-    key::{CoverageMethod, DrawnCards, FeatherPipelineKey, FeatherTransparency, ThinLayers},
+    key::{
+        CoverageMethod, DrawnCards, DrawnUnder, FeatherPipelineKey, FeatherTransparency, ThinLayers,
+    },
     specialize,
 };
 use crate::maths::query::ErrorBudget;
@@ -175,6 +177,7 @@ impl From<&FeatherMaterial> for FeatherPipelineKey {
             overdraw,
             debug: !shaded && !overdraw,
             drawn: material.drawn,
+            under: material.under,
             ordered: material.settings.order_window > 0.0,
             plain: false,
             layers: material.layers,
@@ -182,6 +185,9 @@ impl From<&FeatherMaterial> for FeatherPipelineKey {
         key.with_plain_fibres(material.plain)
     }
 }
+
+/// Which fragments a material draws, and under which lights.
+pub(super) type Drawing = (DrawnCards, DrawnUnder);
 
 /// The feathers one bird wears, bound to the GPU. The plugin makes one for every groomed bird.
 #[derive(Asset, TypePath, AsBindGroup, Clone, Debug)]
@@ -194,6 +200,8 @@ pub struct FeatherMaterial {
     pub transparency: FeatherTransparency,
     /// Which fragments this material draws; the plugin makes materials for the rest.
     pub drawn: DrawnCards,
+    /// Under which lights it draws them.
+    pub under: DrawnUnder,
     /// All fibres are plain ([`FibreTable::is_plain`](crate::maths::scattering::FibreTable::is_plain)): FAR and MEAN cards take
     /// their short form.
     pub plain: bool,
@@ -236,9 +244,10 @@ impl FeatherMaterial {
     }
 
     /// The same feathers, but other fragments of them.
-    pub(super) fn drawing(&self, drawn: DrawnCards) -> Self {
+    pub(super) fn drawing(&self, (drawn, under): Drawing) -> Self {
         Self {
             drawn,
+            under,
             ..self.clone()
         }
     }

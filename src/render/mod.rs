@@ -29,6 +29,7 @@ pub mod key;
 mod key;
 #[cfg(feature = "internals")]
 pub mod layout;
+mod lights;
 mod limits;
 mod listed;
 mod lod;
@@ -38,12 +39,11 @@ pub mod pack;
 mod prepare;
 mod specialize;
 mod stacks;
-mod vertex_light;
 mod wind;
 
 pub use baked::BakedFeather;
 pub use cascades::fit_cascades;
-pub use key::{CoverageMethod, DrawnCards, FeatherTransparency, ThinLayers};
+pub use key::{CoverageMethod, DrawnCards, DrawnUnder, FeatherTransparency, ThinLayers};
 pub use limits::{ActiveFeatherPath, FeatherPath};
 pub use lod::CARD_COUNTERS;
 pub use material::{DebugView, FeatherMaterial, FeatherSettings};
@@ -79,7 +79,7 @@ impl Plugin for FeatherRenderPlugin {
             .register_type::<Ruffle>()
             .register_type::<FeatherPath>()
             .init_resource::<Wind>()
-            .init_resource::<vertex_light::VertexLights>()
+            .init_resource::<lights::WorldLights>()
             .register_type::<PlumageMemory>()
             .add_systems(
                 PostUpdate,

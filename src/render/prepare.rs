@@ -2,11 +2,11 @@
 
 use super::{
     key::{FeatherTransparency, ThinLayers},
+    lights::find_lights,
     lod::{CardPatches, GRID_BYTES, MEASURED, list_bytes, pack_patches},
     material::{FeatherMaterial, FeatherSettings},
     pack::{TableCache, albedo_array, outline_array, pack_cards, pack_feathers, same_paint},
     stacks::StackWork,
-    vertex_light::find_lights,
     wind,
 };
 use crate::{
@@ -324,6 +324,7 @@ fn prepare_materials(
             settings: quality.settings,
             transparency: quality.transparency,
             drawn: default(),
+            under: default(),
             plain: set.plain,
             layers: thin_layers(&set.packed),
             feathers: set.feathers.clone(),

@@ -1,7 +1,7 @@
 //! Wind and ruffle as an app sets them, and the buffer of each bird that tells its cards, together with the pose that it wears (the
 //! maths: [`crate::maths::wind`]).
 
-use super::{material::FeatherMaterial, pack::MAX_REGIONS, vertex_light::VertexLights};
+use super::{lights::WorldLights, material::FeatherMaterial, pack::MAX_REGIONS};
 use crate::{
     groom::{CardRegion, FeathersOf, PlumageCards, Worn},
     maths::wind::{Breeze, RUFFLE_LIFT, RUFFLE_YAW, wind_response},
@@ -106,7 +106,7 @@ impl Ruffle {
 
 /// First rows of the table, after those of the wind.
 pub(super) mod motion {
-    use super::super::vertex_light::VERTEX_LIGHTS;
+    use super::super::lights::VERTEX_LIGHTS;
 
     /// Shares of the poses after the first; and what a unit of height is, metres, how far the bird is on the way between poses.
     pub const WORN: usize = 2;
@@ -128,7 +128,7 @@ fn worn_rows(worn: &Worn) -> [[f32; 4]; 2] {
 fn motion_rows(
     wind: &Wind,
     worn: [[f32; 4]; 2],
-    lights: &VertexLights,
+    lights: &WorldLights,
     ruffle: Option<&Ruffle>,
     regions: &[CardRegion],
 ) -> Vec<[f32; 4]> {
@@ -156,7 +156,7 @@ pub(super) fn still_motion(cards: &PlumageCards) -> ShaderBuffer {
     let rows = motion_rows(
         &Wind::default(),
         STILL,
-        &VertexLights::default(),
+        &WorldLights::default(),
         None,
         &cards.regions,
     );
@@ -199,7 +199,7 @@ impl Motion {
 pub(super) fn move_feathers(
     mut commands: Commands,
     wind: Res<Wind>,
-    lights: Res<VertexLights>,
+    lights: Res<WorldLights>,
     ruffles: Query<Ref<Ruffle>>,
     mut birds: Query<(
         Entity,
@@ -309,7 +309,7 @@ mod tests {
         let rows = motion_rows(
             &wild,
             STILL,
-            &VertexLights::default(),
+            &WorldLights::default(),
             Some(&ruffle),
             &vec![region; 4],
         );

@@ -77,6 +77,7 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "maths/order.wgsl");
         load_shader_library!(app, "card/feather_pattern.wgsl");
         load_shader_library!(app, "card/feather_cover.wgsl");
+        load_shader_library!(app, "card/feather_eye.wgsl");
         load_shader_library!(app, "card/feather_shadow.wgsl");
         load_shader_library!(app, "card/feather_fibre.wgsl");
         load_shader_library!(app, "card/feather_vertex_light.wgsl");

@@ -13,7 +13,9 @@ use bevy::{
 use bevy_plumage::prelude::*;
 use plumage_tests::{
     app::Stage,
-    view::{culled, darken, frames, mean, mean_color, orthographic, plain_image, spawn_patch},
+    view::{
+        counts, culled, darken, frames, mean, mean_color, orthographic, plain_image, spawn_patch,
+    },
 };
 
 /// A dark stage with a patch of feathers.
@@ -37,6 +39,49 @@ fn with(stage: &mut Stage, bundle: impl Bundle) -> f32 {
 
 fn from(x: f32, y: f32, z: f32) -> Transform {
     Transform::from_xyz(x, y, z).looking_at(Vec3::ZERO, Vec3::Y)
+}
+
+/// FAR and MEAN cards have other pipelines under lamps: feathers are there in the first frame with one, and in the first without.
+#[test]
+fn feathers_stay_when_a_lamp_comes_and_goes() {
+    let Some((mut stage, _)) = stage() else {
+        return;
+    };
+    let sun = DirectionalLight {
+        illuminance: 1000.0,
+        ..default()
+    };
+    stage.app.world_mut().spawn((sun, from(0.2, 0.4, 1.0)));
+    frames(&mut stage, 3);
+    let bytes = |image: Image| {
+        let bytes = image.data.unwrap();
+        bytes.iter().map(|x| f64::from(*x)).sum::<f64>() / bytes.len() as f64
+    };
+    let classes = counts(&mut stage);
+    let before = bytes(stage.still());
+    let lamp = PointLight {
+        intensity: 20_000.0,
+        range: 50.0,
+        ..default()
+    };
+    let lamp = stage
+        .app
+        .world_mut()
+        .spawn((lamp, from(0.2, 0.4, 1.0)))
+        .id();
+    let coming = bytes(stage.still());
+    frames(&mut stage, 3);
+    let lit = bytes(stage.still());
+    stage.app.world_mut().entity_mut(lamp).despawn();
+    let going = bytes(stage.still());
+    frames(&mut stage, 3);
+    let after = bytes(stage.still());
+    println!("{classes:?}: {before}, lamp {coming}, {lit}, none {going}, {after}");
+    assert!(lit > before + 2.0, "the lamp shows nothing");
+    // Bevy's clusters may know of it a frame later.
+    assert!(coming > before - 0.5, "feathers are away as it comes");
+    assert!(going > before - 0.5, "feathers are away as it goes");
+    assert!((after - before).abs() < 0.01, "the lamp stays");
 }
 
 #[test]

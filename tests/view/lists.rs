@@ -69,6 +69,25 @@ fn pictures_are_those_of_whole_meshes() {
             assert_eq!(rms(&lists, &whole), 0.0, "{away} m: {classes:?}");
         }
     }
+    // FAR and MEAN under lamps have pipelines of their own.
+    let lamp = PointLight {
+        intensity: 20_000.0,
+        ..default()
+    };
+    stage
+        .app
+        .world_mut()
+        .spawn((lamp, Transform::from_xyz(0.3, 0.5, 1.0)));
+    for away in [0.1, 0.6] {
+        let place = Transform::from_xyz(0.0, 0.0, away).looking_at(Vec3::ZERO, Vec3::Y);
+        stage.app.world_mut().entity_mut(camera).insert(place);
+        set_range(&mut stage, false);
+        let lists = stage.picture();
+        set_range(&mut stage, true);
+        let whole = stage.picture();
+        assert!(mean(&whole) > 0.01, "{away} m: nothing is seen");
+        assert_eq!(rms(&lists, &whole), 0.0, "{away} m, a lamp");
+    }
     for class in ["far", "mean", "mixed", "lit"] {
         let at = CARD_COUNTERS.iter().position(|name| *name == class);
         let count = seen[at.expect("a class")];

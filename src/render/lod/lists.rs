@@ -185,8 +185,8 @@ pub struct CardLists {
     birds: MainEntityHashMap<BirdLists>,
     /// Numbers of the cameras.
     views: EntityHashMap<u32>,
-    /// Of each drawn entity: the bird, and which of its lists it draws.
-    parts: MainEntityHashMap<(MainEntity, u32)>,
+    /// Of each drawn entity: the bird, and which of its lists it draws; none: nothing in this frame.
+    parts: MainEntityHashMap<Option<(MainEntity, u32)>>,
     params: DynamicUniformBuffer<ListParams>,
 }
 
@@ -263,7 +263,17 @@ impl CardLists {
 
     /// `part` draws a list of a bird.
     pub fn add_part(&mut self, part: MainEntity, bird: MainEntity, list: u32) {
-        self.parts.insert(part, (bird, list));
+        self.parts.insert(part, Some((bird, list)));
+    }
+
+    /// `part` draws nothing in this frame.
+    pub fn add_idle(&mut self, part: MainEntity) {
+        self.parts.insert(part, None);
+    }
+
+    /// Whether `part` draws nothing in this frame.
+    pub fn is_idle(&self, part: MainEntity) -> bool {
+        matches!(self.parts.get(&part), Some(None))
     }
 
     /// Makes room for the lists of `birds` in the passes of `cameras`.
@@ -397,8 +407,8 @@ impl CardLists {
 
     /// How `part` is drawn in a pass (0: depth, 1: color) of a camera; none if it is not drawn from a list.
     pub fn draw(&self, part: MainEntity, camera: Entity, pass: u32) -> Option<ListedDraw<'_>> {
-        let (bird, list) = self.parts.get(&part)?;
-        let bird = self.birds.get(bird)?;
+        let (bird, list) = self.parts.get(&part).copied().flatten()?;
+        let bird = self.birds.get(&bird)?;
         bird.bind_group.as_ref()?;
         let view = self.views.get(&camera)?;
         let draw = (view * PASSES + pass) * LISTS + list;

@@ -2,8 +2,8 @@
 
 use super::{
     super::{
+        lights::{VERTEX_LIGHTS, WorldLights},
         material::FeatherMaterial,
-        vertex_light::{VERTEX_LIGHTS, VertexLights},
         wind::Motion,
     },
     CARD_COUNTERS, CardPatches,
@@ -76,7 +76,7 @@ struct Hider {
 #[derive(Resource)]
 pub struct LodBirds {
     birds: Vec<LodBird>,
-    /// See [`VertexLights::rows`].
+    /// See [`WorldLights::rows`].
     lights: [Vec4; VERTEX_LIGHTS],
     params: DynamicUniformBuffer<LodParams>,
     skin_params: DynamicUniformBuffer<SkinParams>,
@@ -221,7 +221,7 @@ pub fn extract_birds(
     skins: Extract<SkinQuery>,
     skin_materials: Extract<Res<Assets<StandardMaterial>>>,
     materials: Extract<Res<Assets<FeatherMaterial>>>,
-    lights: Extract<Res<VertexLights>>,
+    lights: Extract<Res<WorldLights>>,
 ) {
     birds.birds.clear();
     birds.lights = lights.rows();
@@ -247,7 +247,7 @@ pub fn extract_birds(
             order_window: material.settings.order_window.clamp(0.0, 0.5),
             count: cards.cards.len() as u32,
             threshold: material.settings.threshold(),
-            light_budget: if lights.are_all() {
+            light_budget: if lights.are_followed() {
                 material.light_budget()
             } else {
                 0.0

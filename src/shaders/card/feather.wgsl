@@ -7,7 +7,7 @@
     feather_io::{FeatherVertex, class_of},
     feather_lighting as light,
     feather_near::{NearFootprint, near_footprint},
-    feather_opacity::{LEAST_OPACITY, is_left_out, leaves_hole, sample_bits},
+    feather_opacity::{LEAST_OPACITY, is_left_out, leaves_hole, moved_by, sample_bits},
     feather_shadow::{Reaches, caught_light, kept_light, kept_place, light_ray, reach_of, reaches_of, shadowing_of},
     scattering::{
         FIBRE_PARAMETER_LENGTH, FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreReach, FibreRow, PARALLEL_MEETINGS, fibre_along, fibre_lit, fibre_lobes,
@@ -146,8 +146,9 @@ fn fragment(in: FeatherVertex) -> FeatherColor {
     let albedo = albedo_of(in, feather, front);
     let covered = cover(in, base, shape, frame, class_of(in));
     var out: FeatherColor;
+    let moved = moved_by(data::card_index(in.card.w));
 #ifdef ONLY_MEAN
-    if (is_left_out(in)) {
+    if (is_left_out(in, moved)) {
         discard;
     }
 #endif
@@ -158,12 +159,12 @@ fn fragment(in: FeatherVertex) -> FeatherColor {
     let opacity = dot(covered.weights, vec4(1.0));
     // Where the prepass has put the fragment it must be: another compiler's rounding may not lose it.
     let asked = opacity + ROUNDING;
-    if (leaves_hole(in, asked, shape.x)) {
+    if (leaves_hole(in, asked, shape.x, moved)) {
         discard;
     }
 #endif
 #ifdef SAMPLE_COVERAGE
-    out.samples = sample_bits(in, asked);
+    out.samples = sample_bits(in, asked, moved);
 #endif
 #ifdef OVERDRAW
     out.color = vec4(vec3(OVERDRAW_STEP), 0.0);
@@ -267,6 +268,8 @@ fn shade(
     let behind = light::environment(seen, -eye_side, -frame.eye, 0.8);
 
     let shares = covered.weights / opacity;
+    // A bit for every component that shows: neighbours go round as often as the one with most of them.
+    let parts = dot(select(vec4(0u), vec4(1u, 2u, 4u, 8u), shares > vec4(LEAST_SHARE)), vec4(1u));
     var sum = fuzz_albedo * tint * around.irradiance * open;
     let lights = light::lights_of(seen);
     // Lights are fetched once (shadows are dear) and then seen by every component, a batch at a time. The first batch sees the sky, too.
@@ -300,11 +303,9 @@ fn shade(
         }
         let kept = kept_place(base, covered.right, frame);
         var passed = 0.0;
-        for (var part = 0u; part < 4u; part++) {
+        for (var left = parts; left != 0u; left &= left - 1u) {
+            let part = firstTrailingBit(left);
             let share = shares[part];
-            if (share <= LEAST_SHARE) {
-                continue;
-            }
             let about = feather_at(base + data::PARTS + part);
             let angles = feather_at(vane);
             let tangent = fibre_tangent(part, angles, covered.right, shear);

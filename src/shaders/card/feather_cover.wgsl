@@ -1,12 +1,12 @@
 // Coverage of a fragment, the same in the color pass and the depth prepass: query_feather fed from the card's tables.
 #define_import_path bevy_plumage::feather_cover
-#import bevy_pbr::mesh_view_bindings::view
 #import bevy_plumage::{
     anatomy::{barb_cotangent, barb_root, canonical_footprint, card_share, on_card, vane_start_coverage},
     feather_bindings::{
         albedo_sampler, contour_at, contour_between, feather_at, outline_texture, rachis_at, settings, shape_at,
     },
     feather_data as data,
+    feather_eye::to_eye,
     feather_io::FeatherVertex,
     footprint::{Footprint, mirrored, widened},
     masking::mask_rachis,
@@ -27,13 +27,6 @@ struct Frame {
     // To the eye, in the world and in this frame.
     eye: vec3<f32>,
     local_eye: vec3<f32>,
-}
-
-fn to_eye(world_position: vec3<f32>) -> vec3<f32> {
-    if (view.clip_from_view[3].w == 1.0) {
-        return normalize(vec3(view.clip_from_world[0].z, view.clip_from_world[1].z, view.clip_from_world[2].z));
-    }
-    return normalize(view.world_position - world_position);
 }
 
 fn frame_of(in: FeatherVertex) -> Frame {
@@ -143,17 +136,14 @@ fn cover_means(
         return Covered(vec4(0.0), main, 1.0, 1.0, footprint);
     }
     let hides = hidden * (1.0 - smooth_step(0.99, 1.0, in.uv.y));
-    // In a loop, or the shader holds the vane twice; that of which more is asked comes last.
+    // In a loop, or the shader holds the vane twice; that of which more is asked comes last. Most fragments have nothing of the other one.
     var other = vec3(0.0);
     var vane = VaneCover();
-    for (var i = 0u; i < 2u; i++) {
+    for (var i = select(0u, 1u, select(shares.y, shares.x, main) < LEAST_SHARE); i < 2u; i++) {
         let right = main == (i == 1u);
         let share = select(shares.x, shares.y, right);
         other = vane.weights;
         vane = VaneCover();
-        if (share < LEAST_SHARE && i == 0u) {
-            continue;
-        }
         let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
         let rest = feather_at(slot + 2u);
         let card = CardVane(shape_at(slot), rest.y, rest.z);

@@ -13,7 +13,7 @@
     shadows,
 }
 #import bevy_render::maths::orthonormalize
-#import bevy_plumage::feather_view as around
+#import bevy_plumage::{feather_eye::is_orthographic, feather_view as around}
 #ifdef TONEMAP_IN_SHADER
 #import bevy_core_pipeline::tonemapping::tone_mapping
 #endif
@@ -51,12 +51,6 @@ fn fragment_of(world_position: vec4<f32>, normal: vec3<f32>, frag_coord: vec4<f3
     f.receives_shadow = (mesh[instance].flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;
     f.cluster = clustered_forward::view_fragment_cluster_index(frag_coord.xy, f.view_z, is_orthographic());
     return f;
-}
-
-fn is_orthographic() -> bool { return vb::view.clip_from_view[3].w == 1.0; }
-
-fn to_eye(world_position: vec4<f32>) -> vec3<f32> {
-    return pbr_functions::calculate_view(world_position, is_orthographic());
 }
 
 // A sheet is lit from either side: the shadow is looked up on the side of the light.
@@ -170,6 +164,17 @@ fn spot_place(f: Fragment, id: u32, direction: vec3<f32>, normal: vec3<f32>) -> 
     return MapPlace(uv, -(*source).shadow_map_near_z / there.z, layer, SPOT_SHADOW_TEXEL_SIZE, (*source).soft_shadow_size, true);
 }
 
+// Share of a light that a map lets through at a place within it.
+fn filtered(f: Fragment, place: MapPlace) -> f32 {
+#ifdef PCSS_SAMPLERS_AVAILABLE
+    // Without them no light has a size.
+    if (place.softness > 0.0) {
+        return sample_shadow_map_pcss(place.uv, place.depth, place.layer, f.frag_coord.xy, place.texel, place.softness);
+    }
+#endif
+    return sample_shadow_map(place.uv, place.depth, place.layer, f.frag_coord.xy, place.texel);
+}
+
 // Share of a light that the maps of a source let through.
 fn map_shadow(f: Fragment, source: Source, directional: bool, index: u32) -> f32 {
     let normal = lit_side(f, source.light.direction);
@@ -184,11 +189,7 @@ fn map_shadow(f: Fragment, source: Source, directional: bool, index: u32) -> f32
         }
         var here = 1.0;
         if (place.inside) {
-            if (place.softness > 0.0) {
-                here = sample_shadow_map_pcss(place.uv, place.depth, place.layer, f.frag_coord.xy, place.texel, place.softness);
-            } else {
-                here = sample_shadow_map(place.uv, place.depth, place.layer, f.frag_coord.xy, place.texel);
-            }
+            here = filtered(f, place);
         }
         open = mix(open, here, select(source.share, 1.0, i == 0u));
     }
@@ -208,8 +209,7 @@ struct Lights {
 fn lights_of(f: Fragment) -> Lights {
     var lights: Lights;
     lights.directional = directional_count();
-#ifdef LIT_VERTICES
-    // Under others no card is LIT.
+#ifdef UNDER_SUNS
     lights.single = lights.directional;
     lights.count = lights.directional;
 #else
@@ -221,7 +221,7 @@ fn lights_of(f: Fragment) -> Lights {
 }
 
 fn light_at(f: Fragment, lights: Lights, index: u32) -> Light {
-#ifdef LIT_VERTICES
+#ifdef UNDER_SUNS
     let directional = true;
     let source = directional_source(f, index);
 #else

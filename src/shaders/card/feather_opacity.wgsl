@@ -15,11 +15,17 @@
 const CORE_OPACITY: f32 = 0.98;
 const LEAST_OPACITY: f32 = 0.00392157;
 
-// Where the frame's pattern stands for a card: the usual one, 0, nowhere.
+// Where the frame's pattern stands for a card: the usual one, 0, nowhere. Found once a fragment, and handed on as `moved`.
 fn moved_by(card: u32) -> vec2<u32> { return frame_point(settings.pattern, hash(card)); }
 
+// Another number for every pixel and card.
+fn pixel_hash(in: FeatherVertex) -> u32 {
+    let pixel = vec2<u32>(in.position.xy);
+    return hash(data::card_index(in.card.w) ^ hash(pixel.x ^ (pixel.y << 16u)));
+}
+
 // Whether nothing at all of the fragment is drawn. `aspect`: width over length of the card.
-fn leaves_hole(in: FeatherVertex, opacity: f32, aspect: f32) -> bool {
+fn leaves_hole(in: FeatherVertex, opacity: f32, aspect: f32, moved: vec2<u32>) -> bool {
 #ifdef VISIBILITY_RANGE_DITHER
     visibility_range_dither(in.position, in.visibility_range_dither);
 #endif
@@ -28,7 +34,7 @@ fn leaves_hole(in: FeatherVertex, opacity: f32, aspect: f32) -> bool {
     let dx = vec2(dpdx(in.uv.x) * aspect, dpdx(in.uv.y));
     let dy = vec2(dpdy(in.uv.x) * aspect, dpdy(in.uv.y));
     let threshold = hashed_threshold(point, dx, dy, in.card.z);
-    return opacity < threshold_after(threshold, moved_by(data::card_index(in.card.w)).x);
+    return opacity < threshold_after(threshold, moved.x);
 #else
 #ifdef FEATHER_CORE
     return opacity < CORE_OPACITY;
@@ -44,11 +50,10 @@ fn leaves_hole(in: FeatherVertex, opacity: f32, aspect: f32) -> bool {
 
 #ifdef ONLY_MEAN
 // Whether the other one of MEAN and LIT draws the pixel: they share a card that is on its way from one to the other.
-fn is_left_out(in: FeatherVertex) -> bool {
-    let pixel = vec2<u32>(in.position.xy);
-    let card = data::card_index(in.card.w);
+fn is_left_out(in: FeatherVertex, moved: vec2<u32>) -> bool {
     let lit = data::lod_lit(in.card.w);
-    let is_lit = lit >= data::LIT_SHARES || (hash(card ^ hash(pixel.x ^ (pixel.y << 16u))) + moved_by(card).y) >> 27u < lit;
+    let place = pixel_hash(in) + moved.y;
+    let is_lit = lit >= data::LIT_SHARES || place >> 27u < lit;
 #ifdef ONLY_LIT
     return !is_lit;
 #else
@@ -59,13 +64,11 @@ fn is_left_out(in: FeatherVertex) -> bool {
 
 #ifdef SAMPLE_COVERAGE
 // The multisampling samples that the fragment covers.
-fn sample_bits(in: FeatherVertex, opacity: f32) -> u32 {
+fn sample_bits(in: FeatherVertex, opacity: f32, moved: vec2<u32>) -> u32 {
     let card = data::card_index(in.card.w);
-    let moved = moved_by(card);
     let threshold = select(0.5, threshold_after(pattern_threshold(in.position.xy, card), moved.x), settings.dither != 0u);
-    let pixel = vec2<u32>(in.position.xy);
     // Other samples in every pixel and for every card, so that no two cards always share theirs.
-    let turn = (hash(card ^ hash(pixel.x ^ (pixel.y << 16u))) >> 5u) + (((moved.y >> 16u) * #{FEATHER_SAMPLES}u) >> 16u);
+    let turn = (pixel_hash(in) >> 5u) + (((moved.y >> 16u) * #{FEATHER_SAMPLES}u) >> 16u);
     return sample_mask(opacity, threshold, turn, #{FEATHER_SAMPLES}u);
 }
 #endif

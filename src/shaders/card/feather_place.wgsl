@@ -2,7 +2,7 @@
 #define_import_path bevy_plumage::feather_place
 #import bevy_pbr::{mesh_functions, mesh_view_bindings::view, skinning, view_transformations::position_world_to_clip}
 #ifdef ORDER_WINDOW
-#import bevy_plumage::feather_cover::to_eye
+#import bevy_plumage::feather_eye::{is_orthographic, to_eye}
 #import bevy_plumage::order::{UNSETTLED_WINDOW, order_reach, raised_window, stirred_window}
 #endif
 #ifdef WORN_POSES
@@ -182,7 +182,7 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
 #ifdef ORDER_WINDOW
     let eye = to_eye(out.world_position.xyz);
     let width = card.width * length((world_from_local * vec4(card.along, 0.0)).xyz);
-    let farthest = select(NEAREST * distance(view.world_position, out.world_position.xyz), width, view.clip_from_view[3].w == 1.0);
+    let farthest = select(NEAREST * distance(view.world_position, out.world_position.xyz), width, is_orthographic());
 #ifdef WORN_POSES
     let needed = raised_window(vertex.raised, motion_at(data::MOTION_WORN), motion_at(data::MOTION_WORN + 1u).y);
 #else

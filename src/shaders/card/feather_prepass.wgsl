@@ -78,22 +78,23 @@ struct Silhouette {
 fn silhouette(in: FeatherVertex) -> Silhouette {
     let base = feather_base(data::card_feather(in.card.x));
     let shape = feather_at(base + data::SHAPE);
+    let card = data::card_index(in.card.w);
+    let moved = moved_by(card);
     var found: Silhouette;
     if (is_light()) {
         let opacity = shadow_opacity(in, base, shape);
-        let card = data::card_index(in.card.w);
-        found.hole = opacity < threshold_after(pattern_threshold(in.position.xy, card), moved_by(card).x);
+        found.hole = opacity < threshold_after(pattern_threshold(in.position.xy, card), moved.x);
         found.samples = 0xffffffffu;
         return found;
     }
     let covered = cover(in, base, shape, frame_of(in), class_of(in));
     let opacity = dot(covered.weights, vec4(1.0));
-    found.hole = leaves_hole(in, opacity, shape.x);
+    found.hole = leaves_hole(in, opacity, shape.x, moved);
 #ifdef ONLY_MEAN
-    found.hole = found.hole || is_left_out(in);
+    found.hole = found.hole || is_left_out(in, moved);
 #endif
 #ifdef SAMPLE_COVERAGE
-    found.samples = sample_bits(in, opacity);
+    found.samples = sample_bits(in, opacity, moved);
 #endif
     return found;
 }

@@ -165,10 +165,9 @@ fn vane_response(
     let angles = feather_at(slot);
     var shaft = vec4(0.0);
     var black_shaft = vec4(0.0);
-    for (var part = 0u; part < 4u; part++) {
-        if (shares[part] <= 0.0) {
-            continue;
-        }
+    let parts = dot(select(vec4(0u), vec4(1u, 2u, 4u, 8u), shares > vec4(0.0)), vec4(1u));
+    for (var left = parts; left != 0u; left &= left - 1u) {
+        let part = firstTrailingBit(left);
         let about = feather_at(base + data::PARTS + part);
         let tangent = fibre_tangent(part, angles, right, shear);
         let meets = settings.multiple_scattering * select(about.z, about.y, front);

@@ -33,6 +33,7 @@
     tet_exit,
     walk_start,
 }
+#import bevy_plumage::feather_eye as eye
 #import bevy_plumage::feather_lighting as lighting
 #import bevy_plumage::feather_pattern as pattern
 #import bevy_plumage::undercoat_data as data
@@ -144,7 +145,7 @@ fn pixel_noise(at: vec2<f32>) -> f32 {
 @fragment
 fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
     let cell = data::prism_at(in.start >> 4u, in.world);
-    let to_eye = lighting::to_eye(vec4(in.world, 1.0));
+    let to_eye = eye::to_eye(in.world);
     let height_px = pixels_of(dot(cell.heights, in.place.xyz), in.world);
     let p = place_of(cell, data::tile_gradient(cell), in.place, to_eye, height_px, 0.0);
     let f = lighting::fragment_of(vec4(in.world, 1.0), p.normal, in.position, in.instance);
@@ -270,7 +271,7 @@ fn step_of(i: u32, count: u32, steps: f32, jitter: f32) -> vec2<f32> {
 @fragment
 fn fragment(in: VertexOutput) -> FragmentOutput {
     let origin = in.world;
-    let to_eye = lighting::to_eye(vec4(origin, 1.0));
+    let to_eye = eye::to_eye(origin);
     let direction = -to_eye;
 
     // The way through the shell, in heights of the coat.

@@ -15,6 +15,7 @@
     strand_side,
     strand_tangent,
 }
+#import bevy_plumage::feather_eye as eye
 #import bevy_plumage::feather_lighting as lighting
 #import bevy_plumage::feather_pattern as pattern
 
@@ -105,7 +106,7 @@ fn vertex(in: VertexInput) -> VertexOutput {
     let clip = position_world_to_clip(center);
     let pixel = 2.0 * max(clip.w, 1e-6) / (vb::view.viewport.w * max(abs(vb::view.clip_from_view[1][1]), 1e-6));
     let ribbon = strand_ribbon(strand_radius(strands.radius, s), pixel);
-    let view = lighting::to_eye(vec4(center, 1.0));
+    let view = eye::to_eye(center);
     let right = vb::view.world_from_view[0].xyz;
     let across = strand_side(tangent, view, right);
     let side = f32(in.strand.y & 1u) * 2.0 - 1.0;
@@ -153,7 +154,7 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     let s = in.along.x;
     let tangent = normalize(in.tangent);
     let normal = normalize(in.normal);
-    let to_eye = lighting::to_eye(vec4(in.world, 1.0));
+    let to_eye = eye::to_eye(in.world);
     let f = lighting::fragment_of(vec4(in.world, 1.0), normal, in.position, in.instance);
     let albedo = in.tint * mix(strands.color, strands.tip_color, s) * (0.85 + 0.3 * in.along.w);
     let eye_cosine = dot(tangent, to_eye);

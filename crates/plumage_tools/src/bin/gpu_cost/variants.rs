@@ -4,7 +4,8 @@ use bevy::shader::ShaderDefVal;
 use bevy_plumage::{
     prelude::FeatherTransparency,
     render::key::{
-        CoverageMethod, DrawnCards, FeatherPipelineKey, PassKey, Resolve, ThinLayers, pipelines,
+        CoverageMethod, DrawnCards, DrawnUnder, FeatherPipelineKey, PassKey, Resolve, ThinLayers,
+        pipelines,
     },
     undercoat::layout as undercoat,
 };
@@ -138,6 +139,7 @@ fn feather_name(key: &FeatherPipelineKey, pass: &PassKey) -> String {
             (key.sampled_environment, ", sampled environment"),
             (key.lights_together, ", lights together"),
             (key.debug, ", debug views"),
+            (key.under == DrawnUnder::Lamps, ", lamps"),
             (key.layers == ThinLayers::Even, ", thin layers"),
             (key.layers == ThinLayers::Graded, ", graded thin layers"),
             (
