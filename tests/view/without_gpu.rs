@@ -202,7 +202,7 @@ fn an_idle_app_pays_nothing_for_its_birds() {
         own.map(|(mesh, _)| mesh.0.id()).collect::<Vec<_>>()
     };
     let (rows, before) = (motion(&app), meshes(&mut app));
-    assert_eq!(before.len(), 3, "a mesh for each of three classes");
+    assert_eq!(before.len(), 5, "a mesh for LIT, two each for FAR and MEAN");
     let mut assets = app.world_mut().resource_mut::<Assets<Mesh>>();
     let other = assets.add(Plane3d::default().mesh().build());
     let mut worn = app.world_mut().get_mut::<PlumageCards>(cards).unwrap();
