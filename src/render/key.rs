@@ -417,6 +417,12 @@ pub fn pipelines(samples: u32) -> Vec<(FeatherPipelineKey, PassKey)> {
                 for (([sampled_environment, lights_together, overdraw, debug], layers), ordered) in
                     flags
                 {
+                    // What counts fragments asks for no light.
+                    let under = match under {
+                        Lamps if overdraw => continue,
+                        Suns if overdraw => Any,
+                        under => under,
+                    };
                     let key = FeatherPipelineKey {
                         coverage_method,
                         transparency,

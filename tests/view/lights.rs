@@ -53,12 +53,12 @@ fn feathers_stay_when_a_lamp_comes_and_goes() {
     };
     stage.app.world_mut().spawn((sun, from(0.2, 0.4, 1.0)));
     frames(&mut stage, 3);
-    let bytes = |image: Image| {
+    let brightness = |image: Image| {
         let bytes = image.data.unwrap();
         bytes.iter().map(|x| f64::from(*x)).sum::<f64>() / bytes.len() as f64
     };
     let classes = counts(&mut stage);
-    let before = bytes(stage.still());
+    let before = brightness(stage.still());
     let lamp = PointLight {
         intensity: 20_000.0,
         range: 50.0,
@@ -69,13 +69,13 @@ fn feathers_stay_when_a_lamp_comes_and_goes() {
         .world_mut()
         .spawn((lamp, from(0.2, 0.4, 1.0)))
         .id();
-    let coming = bytes(stage.still());
+    let coming = brightness(stage.still());
     frames(&mut stage, 3);
-    let lit = bytes(stage.still());
+    let lit = brightness(stage.still());
     stage.app.world_mut().entity_mut(lamp).despawn();
-    let going = bytes(stage.still());
+    let going = brightness(stage.still());
     frames(&mut stage, 3);
-    let after = bytes(stage.still());
+    let after = brightness(stage.still());
     println!("{classes:?}: {before}, lamp {coming}, {lit}, none {going}, {after}");
     assert!(lit > before + 2.0, "the lamp shows nothing");
     // Bevy's clusters may know of it a frame later.

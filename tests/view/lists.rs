@@ -7,6 +7,8 @@ use plumage_tests::{
     view::{counts, frames, mean, rms, spawn_patch},
 };
 
+type Picture = Vec<[f32; 3]>;
+
 fn set_range(stage: &mut Stage, whole: bool) {
     let world = stage.app.world_mut();
     let mut birds = world.query_filtered::<Entity, With<PlumageCards>>();
@@ -20,6 +22,18 @@ fn set_range(stage: &mut Stage, whole: bool) {
         }
     }
     frames(stage, 3);
+}
+
+/// From a distance, by lists and by whole meshes, and the classes of the cards.
+fn pictures(stage: &mut Stage, away: f32) -> ([Picture; 2], [u64; CARD_COUNTERS.len()]) {
+    let place = Transform::from_xyz(0.0, 0.0, away).looking_at(Vec3::ZERO, Vec3::Y);
+    let camera = stage.camera;
+    stage.app.world_mut().entity_mut(camera).insert(place);
+    set_range(stage, false);
+    let lists = stage.picture();
+    let classes = counts(stage);
+    set_range(stage, true);
+    ([lists, stage.picture()], classes)
 }
 
 /// From near to far, so that every class is drawn; two birds, whose vertices lie behind one another; with and without samples and depth
@@ -54,16 +68,10 @@ fn pictures_are_those_of_whole_meshes() {
             view.insert(Msaa::Sample4);
         }
         for away in [0.05, 0.1, 0.2, 0.3, 0.6, 1.0] {
-            let place = Transform::from_xyz(0.0, 0.0, away).looking_at(Vec3::ZERO, Vec3::Y);
-            stage.app.world_mut().entity_mut(camera).insert(place);
-            set_range(&mut stage, false);
-            let lists = stage.picture();
-            let classes = counts(&mut stage);
+            let ([lists, whole], classes) = pictures(&mut stage, away);
             for (seen, count) in seen.iter_mut().zip(classes) {
                 *seen += count;
             }
-            set_range(&mut stage, true);
-            let whole = stage.picture();
             println!("{away} m, depth first {depth_first}: {classes:?}");
             assert!(mean(&whole) > 0.01, "{away} m: nothing is seen");
             assert_eq!(rms(&lists, &whole), 0.0, "{away} m: {classes:?}");
@@ -79,14 +87,9 @@ fn pictures_are_those_of_whole_meshes() {
         .world_mut()
         .spawn((lamp, Transform::from_xyz(0.3, 0.5, 1.0)));
     for away in [0.1, 0.6] {
-        let place = Transform::from_xyz(0.0, 0.0, away).looking_at(Vec3::ZERO, Vec3::Y);
-        stage.app.world_mut().entity_mut(camera).insert(place);
-        set_range(&mut stage, false);
-        let lists = stage.picture();
-        set_range(&mut stage, true);
-        let whole = stage.picture();
+        let ([lists, whole], classes) = pictures(&mut stage, away);
         assert!(mean(&whole) > 0.01, "{away} m: nothing is seen");
-        assert_eq!(rms(&lists, &whole), 0.0, "{away} m, a lamp");
+        assert_eq!(rms(&lists, &whole), 0.0, "{away} m, a lamp: {classes:?}");
     }
     for class in ["far", "mean", "mixed", "lit"] {
         let at = CARD_COUNTERS.iter().position(|name| *name == class);

@@ -3,7 +3,7 @@
     feather_bindings::{albedo_sampler, albedo_texture, feather_at, feather_base, rachis_at, settings, sheen_at},
     feather_cover::{Covered, Frame, cover, frame_of},
     feather_data as data,
-    feather_fibre::{BARB, DISTAL, fibre_tangent, in_fibre},
+    feather_fibre::{BARB, DISTAL, fibre_tangent, in_fibre, shown_parts},
     feather_io::{FeatherVertex, class_of},
     feather_lighting as light,
     feather_near::{NearFootprint, near_footprint},
@@ -268,8 +268,7 @@ fn shade(
     let behind = light::environment(seen, -eye_side, -frame.eye, 0.8);
 
     let shares = covered.weights / opacity;
-    // A bit for every component that shows: neighbours go round as often as the one with most of them.
-    let parts = dot(select(vec4(0u), vec4(1u, 2u, 4u, 8u), shares > vec4(LEAST_SHARE)), vec4(1u));
+    let shown = shown_parts(shares, LEAST_SHARE);
     var sum = fuzz_albedo * tint * around.irradiance * open;
     let lights = light::lights_of(seen);
     // Lights are fetched once (shadows are dear) and then seen by every component, a batch at a time. The first batch sees the sky, too.
@@ -303,7 +302,7 @@ fn shade(
         }
         let kept = kept_place(base, covered.right, frame);
         var passed = 0.0;
-        for (var left = parts; left != 0u; left &= left - 1u) {
+        for (var left = shown; left != 0u; left &= left - 1u) {
             let part = firstTrailingBit(left);
             let share = shares[part];
             let about = feather_at(base + data::PARTS + part);

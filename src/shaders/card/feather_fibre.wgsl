@@ -13,6 +13,12 @@ const BARB: u32 = 1u;
 const DISTAL: u32 = 2u;
 const PROXIMAL: u32 = 3u;
 
+// A bit for every component with a larger share than `least`. Who goes from bit to bit goes round as often as the neighbor with most of
+// them, and not for those that none of them shows.
+fn shown_parts(shares: vec4<f32>, least: f32) -> u32 {
+    return dot(select(vec4(0u), vec4(1u, 2u, 4u, 8u), shares > vec4(least)), vec4(1u));
+}
+
 // Direction of a component's fibres in the frame of the card; `shear`: of the map along a curved rachis.
 fn fibre_tangent(part: u32, angles: vec4<f32>, right: bool, shear: f32) -> vec2<f32> {
     var v = vec2(0.0, 1.0);

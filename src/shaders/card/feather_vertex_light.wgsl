@@ -6,7 +6,7 @@
     feather_bindings::{albedo_sampler, albedo_texture, feather_at, feather_base, motion, rachis_at, settings, shape_at, sheen_at},
     feather_cover::{Covered, Frame, frame_of},
     feather_data as data,
-    feather_fibre::{BARB, DISTAL, fibre_tangent, in_fibre, short_part},
+    feather_fibre::{BARB, DISTAL, fibre_tangent, in_fibre, short_part, shown_parts},
     feather_io::FeatherVertex,
     feather_shadow::{Reaches, caught_light, kept_light, kept_place, light_ray, reach_of, reaches_of, shadowing_of},
     footprint::Footprint,
@@ -165,8 +165,7 @@ fn vane_response(
     let angles = feather_at(slot);
     var shaft = vec4(0.0);
     var black_shaft = vec4(0.0);
-    let parts = dot(select(vec4(0u), vec4(1u, 2u, 4u, 8u), shares > vec4(0.0)), vec4(1u));
-    for (var left = parts; left != 0u; left &= left - 1u) {
+    for (var left = shown_parts(shares, 0.0); left != 0u; left &= left - 1u) {
         let part = firstTrailingBit(left);
         let about = feather_at(base + data::PARTS + part);
         let tangent = fibre_tangent(part, angles, right, shear);
