@@ -218,5 +218,5 @@ fn an_idle_app_pays_nothing_for_its_birds() {
     mesh.set_changed();
     app.update();
     assert!(motion(&app) > rows);
-    assert_eq!(meshes(&mut app), [other.id(); 3]);
+    assert_eq!(meshes(&mut app), [other.id(); 5]);
 }
