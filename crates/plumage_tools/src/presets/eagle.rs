@@ -12,7 +12,7 @@ const BROWN: u32 = 0x4A3524;
 /// Pale rim of scapulars.
 const RIM: u32 = 0x665648;
 /// Paler sides of the body's feathers, between which the dark middle is a streak.
-const SIDES: u32 = 0x967457;
+const SIDES: u32 = 0x8A6C53;
 /// The same of belly and thighs.
 const BELLY: u32 = 0x806549;
 /// That streak.
@@ -77,7 +77,7 @@ fn barred(count: f32, share: f32, waviness: f32, tip: f32, dark: u32) -> Albedo 
             (1.0, dark, 0.5),
         ])
     };
-    faces(pattern(0x544B44, dark), pattern(0x8F857A, 0x554A40))
+    faces(pattern(0x4A423B, dark), pattern(0x6B625A, 0x40372F))
 }
 
 fn rimmed(pattern: Pattern, width: f32, rgb: u32) -> Albedo {
@@ -92,22 +92,22 @@ fn rimmed(pattern: Pattern, width: f32, rgb: u32) -> Albedo {
 }
 
 /// A dark streak along the shaft that runs out into pale sides, down below: what streaks breast and belly of photographs. `downy`: share
-/// of the length that is down, `mottle`: how uneven the sides are.
-fn streaked(downy: f32, sides: u32, mottle: f32) -> Albedo {
+/// of the length that is down, `tint`: share of the groom's color in the sides, `mottle`: how uneven these are.
+fn streaked(downy: f32, sides: u32, tint: f32, mottle: f32) -> Albedo {
     let downy = downy * DOWN_SHOWN;
     both(Pattern {
         rim: Some(Rim {
-            width: 0.29,
+            width: 0.24,
             color: hex(sides),
-            tint: 0.25,
+            tint,
         }),
         mottle,
         ..stops(&[
             (0.0, BASE, 0.0),
             (downy - 0.1, BASE, 0.0),
             (downy, 0x38302A, 0.0),
-            (0.7, STREAK, 0.25),
-            (1.0, 0x20170F, 0.3),
+            (0.7, STREAK, 0.1),
+            (1.0, 0x20170F, 0.15),
         ])
     })
 }
@@ -143,7 +143,7 @@ pub(super) fn all() -> Vec<Template> {
             ])
         }),
         structural: false,
-        matte: false,
+        matte: true,
     };
     let contour = Template {
         name: "eagle_contour",
@@ -156,6 +156,7 @@ pub(super) fn all() -> Vec<Template> {
         fringe: 0.08,
         gaps: gaps(4, 0.008, 0.4, 33),
         albedo: rimmed(body(0.46, BASE, 0x3A2A1E, BROWN), 0.2, RIM),
+        matte: false,
         ..head.clone()
     };
     let primary = Template {
@@ -189,7 +190,7 @@ pub(super) fn all() -> Vec<Template> {
             };
             faces(
                 pattern(0x5C534A, 0x554B43, DARK),
-                pattern(0x8F867B, 0x7C7268, 0x4A4038),
+                pattern(0x726960, 0x625A51, 0x3C342D),
             )
         },
         structural: false,
@@ -239,10 +240,11 @@ pub(super) fn all() -> Vec<Template> {
                     (0.25, BASE, 0.0),
                     (0.4, 0x46392E, 0.0),
                     (0.55, 0x46392E, 0.3),
-                    (0.75, 0xC49F6E, 1.0),
-                    (1.0, 0xC49F6E, 0.9),
+                    (0.75, 0xB38B58, 1.0),
+                    (1.0, 0xB38B58, 0.9),
                 ])
             }),
+            matte: true,
             ..contour.clone()
         },
         contour.clone(),
@@ -253,7 +255,7 @@ pub(super) fn all() -> Vec<Template> {
             right: LANCET,
             fringe: 0.3,
             gaps: gaps(12, 0.012, 0.7, 43),
-            albedo: streaked(0.46, SIDES, 0.95),
+            albedo: streaked(0.46, SIDES, 0.9, 0.85),
             matte: true,
             ..contour.clone()
         },
@@ -265,7 +267,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.34,
             gaps: gaps(7, 0.010, 0.45, 34),
-            albedo: streaked(0.58, BELLY, 0.4),
+            albedo: streaked(0.58, BELLY, 0.25, 0.4),
             matte: true,
             ..contour.clone()
         },
@@ -372,7 +374,7 @@ pub(super) fn all() -> Vec<Template> {
                 ..PRIMARY
             },
             gaps: gaps(3, 0.004, 0.35, 40),
-            albedo: barred(6.5, 0.42, 0.85, 0.78, 0x2A201A),
+            albedo: barred(6.5, 0.46, 0.6, 0.78, 0x2A201A),
             ..primary
         },
         Template {
@@ -385,7 +387,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.5,
             gaps: gaps(8, 0.010, 0.5, 41),
-            albedo: streaked(0.55, BELLY, 0.4),
+            albedo: streaked(0.55, BELLY, 0.25, 0.4),
             matte: true,
             ..contour.clone()
         },

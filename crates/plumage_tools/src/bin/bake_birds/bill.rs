@@ -289,7 +289,7 @@ fn gape(out: &mut Primitive, skeleton: &Skeleton, b: &Bill, body: &Body) {
                 let thin = 1.0 - 0.85 * share.powi(2);
                 let skin = body.project(off, 4);
                 let centre = off.lerp(
-                    skin - body.normal(skin) * (0.3 * wide * share),
+                    skin + body.normal(skin) * (1.4 * wide * (1.0 - 1.2 * share.powi(3))),
                     ease(0.1, 0.5, share),
                 );
                 Ring::round(
