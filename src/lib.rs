@@ -84,7 +84,7 @@ mod weathering;
 
 pub use anatomy::{
     Albedo, AnatomyPlugin, Barbules, Bars, Clumps, Coat, ColorShare, Contour, Down, Feather, Gaps,
-    Interval, Pattern, Rachis, Rim, Specular, Spread, Stop, Transfer, Vane, Weather,
+    Interval, Pattern, Rachis, Rim, Specular, Spot, Spread, Stop, Transfer, Vane, Weather,
 };
 pub use asset::{AssetError, AssetLink, RonAsset, RonLoader, RonSaver};
 pub use groom::{

@@ -219,7 +219,7 @@ impl Default for ColorShare {
     }
 }
 
-/// A painted pattern: bands along the feather, a rim, bars. Each color is sRGB `[r, g, b]` in 0..1; a `tint` share of 0 keeps
+/// A painted pattern: bands along the feather, bars, a rim, spots. Each color is sRGB `[r, g, b]` in 0..1; a `tint` share of 0 keeps
 /// the color, 1 hands it to the groom (region color of the card), so that one template serves many tracts.
 #[derive(Clone, Debug, Default, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -231,6 +231,9 @@ pub struct Pattern {
     pub rim: Option<Rim>,
     /// Cross bars.
     pub bars: Option<Bars>,
+    /// Spots, at most 16, each over those before it.
+    #[reflect(@Length::new(0, 16))]
+    pub spots: Vec<Spot>,
     /// Fine mottling, in streaks along the barbs: amplitude of the value noise, 0..1.
     #[reflect(@Parameter::share())]
     pub mottle: f32,
@@ -282,6 +285,30 @@ pub struct Bars {
     /// Waviness, 0..1.
     #[reflect(@Parameter::share())]
     pub waviness: f32,
+}
+
+/// A spot of a [`Pattern`], an ellipse: an owl's pearl, one side of a streak, an eye.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Spot {
+    /// Height of its middle on the card, 0..1.
+    #[reflect(@Parameter::share())]
+    pub v: f32,
+    /// Place of its middle across the feather, shares of the half width: -1 left edge, 0 rachis, 1 right edge.
+    #[reflect(@Parameter::new("", -1.0, 1.0))]
+    pub across: f32,
+    /// Half its width as a share of the half width, 0.01..2.
+    #[reflect(@Parameter::new("", 0.01, 2.0))]
+    pub half_width: f32,
+    /// Half its length as a share of the feather's length, 0.002..1.
+    #[reflect(@Parameter::new("", 0.002, 1.0))]
+    pub half_length: f32,
+    /// Color, sRGB.
+    #[reflect(@Parameter::share())]
+    pub color: [f32; 3],
+    /// Share handed to the groom's color, 0..1.
+    #[reflect(@Parameter::share())]
+    pub tint: f32,
 }
 
 /// A plain grey body feather of 40 mm.

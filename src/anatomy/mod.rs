@@ -24,7 +24,8 @@ pub use clumps::Clumps;
 pub use contour::{CONTOUR_ROWS, RACHIS_ROWS, ShapeTable};
 pub use down::{Coat, Down, Interval, Specular, Spread, Transfer};
 pub use feather::{
-    Albedo, Barbules, Bars, ColorShare, Contour, Feather, Gaps, Pattern, Rachis, Rim, Stop, Vane,
+    Albedo, Barbules, Bars, ColorShare, Contour, Feather, Gaps, Pattern, Rachis, Rim, Spot, Stop,
+    Vane,
 };
 pub use pattern::{BAKE_HEIGHT, BAKE_WIDTH};
 pub use plugin::AnatomyPlugin;

@@ -89,6 +89,14 @@ impl Canvas<'_> {
             let rim = rim * smooth_step(downy - 0.02, downy + 0.15, y);
             paint = blend(paint, with_tint(color, tint), rim);
         }
+        for spot in &pattern.spots {
+            let from_middle = f32::hypot(
+                (across - spot.across) / spot.half_width,
+                (y - spot.v) / spot.half_length,
+            );
+            let inside = 1.0 - smooth_step(0.8, 1.2, from_middle);
+            paint = blend(paint, with_tint(spot.color, spot.tint), inside);
+        }
         if pattern.mottle > 0.0 {
             // A barb keeps its tone, its neighbors differ: streaks along the barbs.
             let barb =

@@ -92,6 +92,7 @@ impl From<Pattern> for super::Pattern {
                 share,
                 waviness,
             }),
+            spots: Vec::new(),
             mottle: old.mottle,
         }
     }

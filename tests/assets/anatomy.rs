@@ -1,7 +1,7 @@
 //! Unit tests of the pure parts.
 
 use bevy_plumage::anatomy::{
-    Bars, Clumps, Contour, Feather, Gaps, Pattern, Rim, Side, Spline, Stop,
+    Bars, Clumps, Contour, Feather, Gaps, Pattern, Rim, Side, Spline, Spot, Stop,
 };
 use bevy_plumage::asset::{AssetError, RonAsset};
 
@@ -372,7 +372,7 @@ fn bake_paints_stops_rim_bars_and_tint() {
             share: 0.5,
             waviness: 0.0,
         }),
-        ..pattern
+        ..pattern.clone()
     };
     let bytes = barred.bake(width, height, &feather);
     let blue = (0..height)
@@ -384,6 +384,35 @@ fn bake_paints_stops_rim_bars_and_tint() {
         .filter(|&row| (at(&bytes, 16, row)[2] > 127) != (at(&bytes, 16, row - 1)[2] > 127))
         .count();
     assert!((11..=13).contains(&flips), "{flips} edges for 6 bars");
+    let spot = Spot {
+        v: 0.7,
+        across: 0.0,
+        half_width: 0.3,
+        half_length: 0.1,
+        color: [0.0, 0.0, 1.0],
+        tint: 0.0,
+    };
+    let pearl = Spot {
+        half_width: 0.1,
+        half_length: 0.03,
+        color: [1.0; 3],
+        ..spot
+    };
+    let spotted = Pattern {
+        spots: vec![spot, pearl],
+        ..pattern
+    };
+    let bytes = spotted.bake(width, height, &feather);
+    let middle = (0.7 * height as f32) as usize;
+    assert_eq!(
+        at(&bytes, 16, middle),
+        [255, 255, 255, 0],
+        "the pearl lies on top"
+    );
+    assert_eq!(at(&bytes, 16, middle - 8)[2], 255, "inside the spot");
+    for (column, row) in [(16, middle + 20), (16, middle - 20), (2, middle)] {
+        assert_eq!(at(&bytes, column, row)[2], 0, "{column} {row} is outside");
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Editor of a painted [`Pattern`]: stops in a table, which no generic widget draws.
 
 use crate::{
-    anatomy::{Bars, Pattern, Rim, Stop},
+    anatomy::{Bars, Pattern, Rim, Spot, Stop},
     inspector::fields::{NAMES, color_button, number, row, row_of},
     parameter::Parameter,
 };
@@ -25,42 +25,32 @@ const BARS: Bars = Bars {
     share: 0.4,
     waviness: 0.3,
 };
+const SPOT: Spot = Spot {
+    v: 0.9,
+    across: 0.0,
+    half_width: 0.2,
+    half_length: 0.03,
+    color: [0.1; 3],
+    tint: 0.0,
+};
 const TINT: &str = "How far the groom's color of the region takes its place";
-/// Most color stops of a pattern.
-const MAX_STOPS: usize = 16;
+/// Most color stops of a pattern, and most spots.
+const MOST: usize = 16;
 
-/// Draws the stops, the rim and the bars of a pattern; whether it changed.
+/// Draws the stops, the rim, the bars and the spots of a pattern; whether it changed.
 pub fn pattern_editor(ui: &mut egui::Ui, id: &str, pattern: &mut Pattern) -> bool {
-    let mut changed = false;
-    let mut remove = None;
-    egui::Grid::new((id, "stops"))
-        .num_columns(4)
-        .show(ui, |ui| {
-            for heading in ["along", "color", "groom's tint", ""] {
-                ui.label(heading);
-            }
-            ui.end_row();
-            let count = pattern.stops.len();
-            for (i, stop) in pattern.stops.iter_mut().enumerate() {
-                changed |= share(ui, &mut stop.v);
-                changed |= color_button(ui, &mut stop.color);
-                changed |= share(ui, &mut stop.tint);
-                let button = egui::Button::new("\u{2212}");
-                if ui
-                    .add_enabled(count > 1, button)
-                    .on_hover_text("Remove")
-                    .clicked()
-                {
-                    remove = Some(i);
-                }
-                ui.end_row();
-            }
-        });
-    if let Some(i) = remove {
-        pattern.stops.remove(i);
-        changed = true;
-    }
-    if pattern.stops.len() < MAX_STOPS && ui.button("Add a stop").clicked() {
+    let headings = ["along", "color", "groom's tint"];
+    let mut changed = list(
+        ui,
+        (id, "stops"),
+        headings,
+        &mut pattern.stops,
+        1,
+        |ui, stop| {
+            share(ui, &mut stop.v) | color_button(ui, &mut stop.color) | share(ui, &mut stop.tint)
+        },
+    );
+    if pattern.stops.len() < MOST && ui.button("Add a stop").clicked() {
         let last = pattern.stops.last().copied();
         pattern.stops.push(last.unwrap_or(GREY));
         changed = true;
@@ -90,9 +80,82 @@ pub fn pattern_editor(ui: &mut egui::Ui, id: &str, pattern: &mut Pattern) -> boo
         changed |= inner(ui, "share", hint, |ui| number(ui, filled, Some(SHARE)));
         changed |= inner(ui, "waviness", "", |ui| number(ui, waviness, Some(SHARE)));
     }
+    let headings = [
+        "along",
+        "across",
+        "width",
+        "length",
+        "color",
+        "groom's tint",
+    ];
+    changed |= list(
+        ui,
+        (id, "spots"),
+        headings,
+        &mut pattern.spots,
+        0,
+        |ui, spot| {
+            share(ui, &mut spot.v)
+                | number(ui, &mut spot.across, Parameter::of::<Spot>("across"))
+                | number(
+                    ui,
+                    &mut spot.half_width,
+                    Parameter::of::<Spot>("half_width"),
+                )
+                | number(
+                    ui,
+                    &mut spot.half_length,
+                    Parameter::of::<Spot>("half_length"),
+                )
+                | color_button(ui, &mut spot.color)
+                | share(ui, &mut spot.tint)
+        },
+    );
+    if pattern.spots.len() < MOST && ui.button("Add a spot").clicked() {
+        let last = pattern.spots.last().copied();
+        pattern.spots.push(last.unwrap_or(SPOT));
+        changed = true;
+    }
     changed |= row(ui, "mottle", "Amplitude of the fine mottling", |ui| {
         number(ui, &mut pattern.mottle, Some(SHARE))
     });
+    changed
+}
+
+/// A table of items that can be removed as long as more than `least` are there; whether one changed.
+fn list<T, const N: usize>(
+    ui: &mut egui::Ui,
+    id: (&str, &str),
+    headings: [&str; N],
+    items: &mut Vec<T>,
+    least: usize,
+    mut cells: impl FnMut(&mut egui::Ui, &mut T) -> bool,
+) -> bool {
+    let mut changed = false;
+    let mut remove = None;
+    let count = items.len();
+    if count == 0 {
+        return false;
+    }
+    egui::Grid::new(id).num_columns(N + 1).show(ui, |ui| {
+        for heading in headings {
+            ui.label(heading);
+        }
+        ui.end_row();
+        for (i, item) in items.iter_mut().enumerate() {
+            changed |= cells(ui, item);
+            let button = egui::Button::new("\u{2212}");
+            let button = ui.add_enabled(count > least, button);
+            if button.on_hover_text("Remove").clicked() {
+                remove = Some(i);
+            }
+            ui.end_row();
+        }
+    });
+    if let Some(i) = remove {
+        items.remove(i);
+        changed = true;
+    }
     changed
 }
 

@@ -2,7 +2,7 @@
 
 use super::profiles::*;
 use super::template::*;
-use bevy_plumage::anatomy::{Albedo, Bars, Pattern};
+use bevy_plumage::anatomy::{Albedo, Bars, Pattern, Spot};
 
 const DOWN: u32 = 0xE8E2D8;
 /// Down at the base of the coat's feathers, shaded by those above.
@@ -85,25 +85,23 @@ fn veiled(downy: f32) -> Pattern {
     }
 }
 
-/// Near the end a dark spot that holds a white one.
-fn pearled(downy: f32) -> Pattern {
-    let stops = veiled(downy).stops;
+/// On the shaft near the end a dark drop that holds a white pearl, above it a smaller one. `aspect`: half the width over the length.
+fn pearled(downy: f32, aspect: f32) -> Pattern {
+    let spot = |v: f32, half_width: f32, roundness: f32, rgb: u32| Spot {
+        v,
+        across: 0.0,
+        half_width,
+        half_length: (1000.0 * half_width * aspect * roundness).round() / 1000.0,
+        color: hex(rgb),
+        tint: 0.0,
+    };
     Pattern {
-        stops: stops
-            .into_iter()
-            .take_while(|stop| stop.v < 0.9)
-            .chain(
-                super::template::stops(&[
-                    (0.925, VEIL, 0.2),
-                    (0.935, DARK, 0.0),
-                    (0.955, DARK, 0.0),
-                    (0.965, WHITE, 0.0),
-                    (0.985, WHITE, 0.0),
-                    (1.0, VEIL, 0.1),
-                ])
-                .stops,
-            )
-            .collect(),
+        spots: vec![
+            spot(0.76, 0.11, 1.0, DARK),
+            spot(0.77, 0.06, 0.9, WHITE),
+            spot(0.925, 0.18, 0.9, DARK),
+            spot(0.935, 0.1, 0.8, WHITE),
+        ],
         ..veiled(downy)
     }
 }
@@ -221,7 +219,7 @@ pub(super) fn all() -> Vec<Template> {
             right: ROUND,
             fringe: 0.32,
             gaps: gaps(4, 0.008, 0.35, 64),
-            albedo: both(pearled(0.5)),
+            albedo: both(pearled(0.5, 0.28)),
             ..body_feather.clone()
         },
         body_feather.clone(),
@@ -229,17 +227,15 @@ pub(super) fn all() -> Vec<Template> {
             name: "owl_spot",
             gaps: gaps(4, 0.010, 0.4, 66),
             albedo: both(Pattern {
-                mottle: 0.12,
-                ..stops(&[
-                    (0.0, BASE, 0.0),
-                    (0.2, BASE, 0.0),
-                    (0.35, WHITE, 1.0),
-                    (0.88, WHITE, 1.0),
-                    (0.905, DARK, 0.0),
-                    (0.955, DARK, 0.0),
-                    (0.975, WHITE, 0.8),
-                    (1.0, WHITE, 0.8),
-                ])
+                spots: vec![Spot {
+                    v: 0.925,
+                    across: 0.0,
+                    half_width: 0.13,
+                    half_length: 0.032,
+                    color: hex(DARK),
+                    tint: 0.0,
+                }],
+                ..body(0.4, BASE, 0xD8CEC0, WHITE)
             }),
             ..body_feather.clone()
         },
@@ -323,7 +319,7 @@ pub(super) fn all() -> Vec<Template> {
             },
             fringe: 0.22,
             gaps: gaps(3, 0.005, 0.35, 70),
-            albedo: both(pearled(0.22)),
+            albedo: both(pearled(0.22, 0.19)),
             ..body_feather.clone()
         },
         primary.clone(),
