@@ -10,7 +10,7 @@ const BASE: u32 = 0x8C8378;
 const DARK: u32 = 0x33271F;
 const BROWN: u32 = 0x4A3524;
 /// Pale rim of scapulars.
-const RIM: u32 = 0x665648;
+const RIM: u32 = 0x6C5C4D;
 /// Paler sides of the body's feathers, between which the dark middle is a streak.
 const SIDES: u32 = 0x8A6C53;
 /// The same of belly and thighs.
@@ -77,7 +77,7 @@ fn barred(count: f32, share: f32, waviness: f32, tip: f32, dark: u32) -> Albedo 
             (1.0, dark, 0.5),
         ])
     };
-    faces(pattern(0x4A423B, dark), pattern(0x6B625A, 0x40372F))
+    faces(pattern(0x554C44, dark), pattern(0x6B625A, 0x40372F))
 }
 
 fn rimmed(pattern: Pattern, width: f32, rgb: u32) -> Albedo {

@@ -69,8 +69,8 @@ const REMEX: Micro = Micro {
     downy: 0.06,
 };
 
-/// Gold under a grey veil.
-fn veiled(downy: f32) -> Pattern {
+/// Gold under a grey veil, which hides `grey` of the gold at the tip.
+fn veiled(downy: f32, grey: f32) -> Pattern {
     let downy = downy * 0.5;
     Pattern {
         mottle: 0.3,
@@ -79,8 +79,8 @@ fn veiled(downy: f32) -> Pattern {
             (downy - 0.05, BASE, 0.0),
             (downy + 0.08, GOLD, 0.9),
             (0.72, GOLD, 1.0),
-            (0.82, VEIL, 0.35),
-            (1.0, VEIL, 0.25),
+            (0.82, VEIL, 1.1 - grey),
+            (1.0, VEIL, 1.0 - grey),
         ])
     }
 }
@@ -102,7 +102,7 @@ fn pearled(downy: f32, aspect: f32) -> Pattern {
             spot(0.925, 0.18, 0.9, DARK),
             spot(0.935, 0.1, 0.8, WHITE),
         ],
-        ..veiled(downy)
+        ..veiled(downy, 0.75)
     }
 }
 
@@ -144,7 +144,7 @@ pub(super) fn all() -> Vec<Template> {
         micro: HEAD,
         fringe: 0.4,
         gaps: gaps(3, 0.012, 0.3, 61),
-        albedo: both(veiled(0.5)),
+        albedo: both(veiled(0.5, 0.75)),
         structural: false,
         matte: false,
     };
@@ -297,7 +297,7 @@ pub(super) fn all() -> Vec<Template> {
             },
             fringe: 0.25,
             gaps: gaps(3, 0.007, 0.35, 69),
-            albedo: both(veiled(0.42)),
+            albedo: both(veiled(0.42, 0.3)),
             ..body_feather.clone()
         },
         Template {

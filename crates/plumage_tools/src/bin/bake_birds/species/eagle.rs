@@ -308,15 +308,15 @@ const SKIN: &[(&[Tract], u32)] = &[
 #[rustfmt::skip]
 const TRACTS: &[TractRow] = &[
     row("crown", &[Crown], "head", 480, 0, (12., 26.), (6., 9.), (10., 7.), (0.06, 10.), (0.1, 1800., HEAD), (0x5C4A38, 0x9E7A50)),
-    row("nape", &[Nape], "hackle", 150, 0, (35., 60.), (10., 14.), (9., 9.), (0.12, 10.), (0.15, 1700., CONTOUR), (0xB38B58, 0xB38B58)),
+    row("nape", &[Nape], "hackle", 150, 0, (35., 60.), (10., 14.), (9., 9.), (0.12, 10.), (0.15, 1700., CONTOUR), (0xB88F5B, 0xB88F5B)),
     row("face", &[Cheek, Lore], "head", 956, 0, (8., 24.), (5.5, 9.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0x4E4033, 0x3E3228)),
     row("lore", &[Lore], "bristle", 70, 0, (6., 12.), (1., 1.5), (25., 25.), (0., 0.), (0.5, 1950., (2, 1)), (0x382F27, 0x382F27)),
     row("neck_dorsal", &[NeckDorsal], "hackle", 280, 0, (40., 62.), (13., 19.), (9., 9.), (0.08, 12.), (0.2, 1600., CONTOUR), (0x745A3C, 0x463A2F)),
     row("neck_ventral", &[NeckVentral], "body", 300, 0, (26., 56.), (14., 24.), (9., 9.), (0.08, 14.), (0.2, 1600., CONTOUR), (0x826A50, 0x765D48)).varied(0.23),
-    row("mantle", &[Mantle, ScapularMantle], "contour", 88, 6, (55., 80.), (32., 42.), (8., 8.), (0.06, 10.), (0.25, 1400., CONTOUR), (0x544736, 0x43382D)),
-    row("back", &[Back], "contour", 50, 5, (55., 75.), (32., 40.), (9., 9.), (0.06, 8.), (0.25, 1300., CONTOUR), (0x43382D, 0x43382D)),
-    row("rump", &[Rump], "contour", 60, 6, (50., 80.), (30., 40.), (8., 8.), (0.08, 6.), (0.25, 320., CONTOUR), (0x483C32, 0x483C32)),
-    row("scapulars", &[ScapularMantle], "contour", 104, 5, (84., 140.), (41., 52.), (9., 7.), (0.05, 8.), (0.25, 1200., (5, 2)), (0x4A3F35, 0x463B32)),
+    row("mantle", &[Mantle, ScapularMantle], "contour", 88, 6, (55., 80.), (32., 42.), (8., 8.), (0.06, 10.), (0.25, 1400., CONTOUR), (0x594B39, 0x473B30)),
+    row("back", &[Back], "contour", 50, 5, (55., 75.), (32., 40.), (9., 9.), (0.06, 8.), (0.25, 1300., CONTOUR), (0x473B30, 0x473B30)),
+    row("rump", &[Rump], "contour", 60, 6, (50., 80.), (30., 40.), (8., 8.), (0.08, 6.), (0.25, 320., CONTOUR), (0x4F4237, 0x4F4237)),
+    row("scapulars", &[ScapularMantle], "contour", 104, 5, (84., 140.), (41., 52.), (9., 7.), (0.05, 8.), (0.25, 1200., (5, 2)), (0x4E4338, 0x4A3F35)),
     row("shoulder", &[Shoulder], "contour", 110, 0, (40., 54.), (28., 34.), (4., 3.), (0.07, 14.), (0.25, 0.6, CONTOUR), (0x544739, 0x52463B)),
     row("shoulder_side", &[Shoulder], "contour", 50, 0, (28., 36.), (24., 30.), (1., 1.), (0.06, 8.), (0., 0.5, LESSER), (0x45392E, 0x45392E)),
     row("breast", &[Breast], "body", 168, 11, (46., 62.), (27., 34.), (10., 6.), (0.07, 18.), (0.25, 1500., CONTOUR), (0x7D6350, 0x765E4C)).varied(0.23),
@@ -339,11 +339,11 @@ const TRACTS: &[TractRow] = &[
 #[rustfmt::skip]
 const ROWS: &[RowLook] = &[
     look("primaries", "primary", 10, (0., 0.), (72., 42.), (0., 0.06, 4.), (16, 4), (0x312A26, 0x312A26)),
-    look("secondaries", "secondary", 13, (0., 0.), (75., 68.), (0., 0.09, 12.), (12, 4), (0x39312C, 0x39312C)),
-    look("tertials", "greater", 4, (0., 0.), (70., 62.), (0., 0.07, 30.), (12, 4), (0x41372F, 0x463B32)),
+    look("secondaries", "secondary", 13, (0., 0.), (75., 68.), (0., 0.09, 12.), (12, 4), (0x3C342F, 0x3C342F)),
+    look("tertials", "greater", 4, (0., 0.), (70., 62.), (0., 0.07, 30.), (12, 4), (0x463B33, 0x4C4036)),
     look("alula", "primary", 4, (90., 170.), (26., 36.), (3., 0.06, 8.), (6, 2), (0x312A26, 0x312A26)),
     look("primary_coverts", "greater", 10, (130., 190.), (38., 32.), (1.5, 0.07, 8.), (6, 2), (0x382F29, 0x382F29)),
-    look("greater_coverts", "greater", 14, (140., 108.), (50., 58.), (2., 0.06, 16.), (6, 2), (0x473C33, 0x473C33)),
+    look("greater_coverts", "greater", 14, (140., 108.), (50., 58.), (2., 0.06, 16.), (6, 2), (0x4B4036, 0x4B4036)),
     look("median_primary", "greater", 10, (80., 65.), (40., 34.), (6., 0.06, 12.), (4, 2), (0x54483D, 0x4E4238)),
     look("median_secondary", "greater", 15, (98., 74.), (42., 50.), (5., 0.06, 12.), (4, 2), (0x574A3F, 0x483D34)),
     look("lesser_1", "lesser", 15, (72., 58.), (38., 48.), (4., 0.05, 12.), (4, 2), (0x52463B, 0x4E4238)),
@@ -356,7 +356,7 @@ const ROWS: &[RowLook] = &[
     look("under_median_primary", "lesser", 11, (70., 55.), (34., 28.), (4., 0.06, 8.), (3, 2), (0x473D34, 0x473D34)),
     look("under_median_secondary", "lesser", 15, (80., 60.), (34., 36.), (4., 0.06, 8.), (3, 2), (0x473D34, 0x473D34)),
     look("axillaries", "soft", 14, (90., 150.), (34., 44.), (5., 0.05, 5.), (4, 2), (0x544C44, 0x544C44)),
-    look("rectrices", "rectrix", 6, (0., 0.), (62., 58.), (0., 0.10, 4.), (12, 4), (0x4B4540, 0x4B4540)),
+    look("rectrices", "rectrix", 6, (0., 0.), (62., 58.), (0., 0.10, 4.), (12, 4), (0x514B45, 0x514B45)),
 ];
 
 /// Lengths that are listed one by one: primaries P1..P10, secondaries then tertials, rectrices R1..R6.

@@ -273,7 +273,7 @@ const TRACTS: &[TractRow] = &[
     row("disc", &[Tract::Disc], "disc", 640, 11, (9., 11.5), (4.4, 5.4), (11., 10.), (0.04, 4.), (0.2, 1900., HEAD), (0xEFE7DC, 0xF4EEE6)),
     row("eye_rays", &[Tract::Disc], "disc", 260, 0, (6., 9.), (3.6, 4.4), (8., 8.), (0.04, 4.), (0.2, 1880., HEAD), (0xCDB69C, 0xF0E8DC)),
     row("ruff", &[Ruff], "ruff", 420, 5, (10.5, 11.), (4., 5.), (24., 20.), (0.05, 10.), (0.5, 1950., HEAD), (0xC09866, 0x9A744D)),
-    row("neck_dorsal", &[NeckDorsal], "mantle", 270, 0, (22., 32.), (12., 16.), (9., 9.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xBE9C71, 0xBE9C71)),
+    row("neck_dorsal", &[NeckDorsal], "lesser", 270, 0, (22., 32.), (12., 16.), (9., 9.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xBE9C71, 0xBE9C71)),
     row("neck_ventral", &[NeckVentral], "breast", 130, 0, (18., 28.), (11., 15.), (9., 9.), (0.07, 14.), (0.2, 1600., CONTOUR), (0xEDE3D4, 0xEFE7DA)),
     row("mantle", &[Mantle, ScapularMantle], "mantle", 100, 6, (30., 40.), (17., 21.), (8., 8.), (0.06, 10.), (0.25, 1400., CONTOUR), (0xBE9C71, 0xBE9C71)),
     row("back", &[Back], "mantle", 56, 5, (30., 38.), (17., 20.), (9., 9.), (0.06, 8.), (0.25, 1300., CONTOUR), (0xBE9C71, 0xC2A27A)),
