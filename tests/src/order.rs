@@ -5,10 +5,14 @@ use crate::{
     scene_bird::{PosedCoat, SceneBird},
 };
 use bevy::{
+    color::{ColorToComponents, LinearRgba, Srgba},
     math::{Vec3, Vec3Swizzles},
     mesh::{Mesh, VertexAttributeValues},
 };
-use bevy_plumage::{groom::Coat, maths::order::stirred_window};
+use bevy_plumage::{
+    groom::{Card, Coat, Groom},
+    maths::order::stirred_window,
+};
 use plumage_reference::{
     crossing::{Overlaps, overlaps},
     visible::{Layers, Pixel, Posed, View},
@@ -24,6 +28,9 @@ const EYES: [Vec3; 5] = [
     Vec3::new(0.6, 0.6, -0.52),
     Vec3::new(0.5, -0.8, 0.33),
 ];
+
+/// Texels across and along a feather from which its mean color is taken.
+const TEXELS: [usize; 2] = [9, 64];
 
 /// Steps in which it is counted how far behind the right feather lies, and how many; the last holds all beyond.
 pub const STEP: f32 = 0.05;
@@ -119,6 +126,8 @@ pub struct Tally {
     pub parts: BTreeMap<&'static str, Count>,
     /// Wrong pixels by the tract that is shown and the tract that should cover it.
     pub tracts: BTreeMap<(u16, u16), usize>,
+    /// Those of them that show another color.
+    pub colors: BTreeMap<(u16, u16), usize>,
     /// Pixels that flicker by the tracts that are shown before and after.
     pub flickers: BTreeMap<(u16, u16), usize>,
     /// Those of them that are wrong before or after.
@@ -142,6 +151,7 @@ pub struct Measured<'a> {
     /// Wind and ruffle.
     pub air: Air,
     uvs: Vec<[f32; 2]>,
+    colors: Vec<[f32; 3]>,
 }
 
 impl<'a> Measured<'a> {
@@ -160,6 +170,7 @@ impl<'a> Measured<'a> {
             half: 0.45 * top.fold(0.0, f32::max),
             air: Air::default(),
             uvs,
+            colors: colors(&bird.groom, coat),
         }
     }
 
@@ -211,6 +222,7 @@ impl<'a> Measured<'a> {
     fn posed<'b>(&'b self, pose: &'b PosedCoat) -> Posed<'b> {
         Posed {
             cards: &self.coat.cards,
+            colors: &self.colors,
             geometry: &self.coat.geometry,
             positions: &pose.cards,
             uvs: &self.uvs,
@@ -256,6 +268,9 @@ impl<'a> Measured<'a> {
                     if let Some(missing) = pixel.missing() {
                         let tracts = [card, missing].map(|i| self.coat.cards[i as usize].region);
                         *tally.tracts.entry(tracts.into()).or_default() += 1;
+                        if matches!(pixel, Pixel::WrongColor(..)) {
+                            *tally.colors.entry(tracts.into()).or_default() += 1;
+                        }
                         tally.gaps[self.gap(&layers, number, card, missing)] += 1;
                     }
                     let part = self.bird.part(self.coat.cards[card as usize].region);
@@ -333,6 +348,9 @@ impl Tally {
         for (tracts, count) in &other.tracts {
             *self.tracts.entry(*tracts).or_default() += count;
         }
+        for (tracts, count) in &other.colors {
+            *self.colors.entry(*tracts).or_default() += count;
+        }
         for (tracts, count) in &other.flickers {
             *self.flickers.entry(*tracts).or_default() += count;
         }
@@ -341,4 +359,35 @@ impl Tally {
             *own += its;
         }
     }
+}
+
+/// Mean linear color of the outer half of each card's front, which is what others leave to be seen, in the groom's colors.
+fn colors(groom: &Groom, coat: &Coat) -> Vec<[f32; 3]> {
+    let [across, along] = TEXELS;
+    let means: Vec<[f32; 4]> = groom
+        .feathers
+        .iter()
+        .map(|link| {
+            let file = link.path().rsplit('/').next().unwrap_or_default();
+            let feather = crate::shipped::feather(file.trim_end_matches(".feather.ron"));
+            let texels = feather.albedo.front.bake(across, along, &feather);
+            let outer = texels.as_chunks::<4>().0[across * along / 2..].iter();
+            let count = outer.len() as f32;
+            outer.fold([0.0; 4], |mut sum, [r, g, b, tint]| {
+                let tint = f32::from(*tint) / 255.0;
+                let paint = LinearRgba::from(Srgba::rgb_u8(*r, *g, *b)).to_f32_array_no_alpha();
+                for (total, paint) in sum.iter_mut().zip(paint) {
+                    *total += (1.0 - tint) * paint / count;
+                }
+                sum[3] += tint / count;
+                sum
+            })
+        })
+        .collect();
+    let shown = |card: &Card| {
+        let [r, g, b, tint] = means[card.feather as usize % means.len()];
+        let [x, y, z] = card.tint.map(|part| tint * part);
+        [r + x, g + y, b + z]
+    };
+    coat.cards.iter().map(shown).collect()
 }

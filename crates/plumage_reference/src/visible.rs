@@ -16,7 +16,7 @@ use bevy_plumage::{
 const FACING: f32 = 0.31;
 /// Feathers further apart than this share of the narrower one's width do not cover each other.
 const REACH: f32 = 0.5;
-/// Distance of two tints, in CIE Lab, from which a pixel counts as being of the wrong color.
+/// Distance of the mean colors of two feathers, in CIE Lab, from which a pixel counts as being of the wrong color.
 const COLOR: f32 = 8.0;
 /// Shares of the length by which two fragments of one feather are different parts of it.
 const PART: f32 = 0.1;
@@ -41,6 +41,8 @@ pub struct View {
 pub struct Posed<'a> {
     /// Records; the one with the higher layer lies over the other.
     pub cards: &'a [Card],
+    /// Mean colors of their faces, linear.
+    pub colors: &'a [[f32; 3]],
     /// Where their vertices are.
     pub geometry: &'a [CardGeometry],
     /// Vertices as posed.
@@ -279,7 +281,7 @@ impl Posed<'_> {
     /// Judges every pixel.
     pub fn judge(&self, layers: &Layers) -> Vec<Pixel> {
         let stands = self.stands();
-        let colors: Vec<Vec3> = self.cards.iter().map(|card| lab(card.tint)).collect();
+        let colors: Vec<Vec3> = self.colors.iter().copied().map(lab).collect();
         (0..layers.starts.len() - 1)
             .map(|pixel| {
                 let list = layers.at(pixel);

@@ -117,6 +117,13 @@ fn tracts(bird: &SceneBird, sum: &Tally) {
     print_most(sum, &sum.tracts, |shown, missing| {
         format!("{} shows instead of {}", name(shown), name(missing))
     });
+    print_most(sum, &sum.colors, |shown, missing| {
+        format!(
+            "{} shows in another color than {}",
+            name(shown),
+            name(missing)
+        )
+    });
     print_most(sum, &sum.flickers, |before, after| {
         format!("{} flickers to {}", name(before), name(after))
     });

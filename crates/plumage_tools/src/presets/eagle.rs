@@ -267,7 +267,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.34,
             gaps: gaps(7, 0.010, 0.45, 34),
-            albedo: streaked(0.58, BELLY, 0.25, 0.4),
+            albedo: streaked(0.58, BELLY, 0.9, 0.4),
             matte: true,
             ..contour.clone()
         },
@@ -387,7 +387,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.5,
             gaps: gaps(8, 0.010, 0.5, 41),
-            albedo: streaked(0.55, BELLY, 0.25, 0.4),
+            albedo: streaked(0.55, BELLY, 0.9, 0.4),
             matte: true,
             ..contour.clone()
         },

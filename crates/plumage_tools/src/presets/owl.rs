@@ -144,7 +144,7 @@ pub(super) fn all() -> Vec<Template> {
         micro: HEAD,
         fringe: 0.4,
         gaps: gaps(3, 0.012, 0.3, 61),
-        albedo: both(veiled(0.5, 0.75)),
+        albedo: both(veiled(0.5, 0.55)),
         structural: false,
         matte: false,
     };
