@@ -261,12 +261,25 @@ pub struct Rim {
     /// Width as a share of the half width, 0..1.
     #[reflect(@Parameter::share())]
     pub width: f32,
+    /// Over how much of its width to either side it runs out, 0..1 ([`Rim::SOFTNESS`]).
+    #[serde(default = "usual_softness")]
+    #[reflect(@Parameter::share())]
+    pub softness: f32,
     /// Color, sRGB.
     #[reflect(@Parameter::share())]
     pub color: [f32; 3],
     /// Share handed to the groom's color, 0..1.
     #[reflect(@Parameter::share())]
     pub tint: f32,
+}
+
+impl Rim {
+    /// The usual [`Rim::softness`].
+    pub const SOFTNESS: f32 = 0.35;
+}
+
+fn usual_softness() -> f32 {
+    Rim::SOFTNESS
 }
 
 /// The cross bars of a [`Pattern`].

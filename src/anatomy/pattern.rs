@@ -81,8 +81,14 @@ impl Canvas<'_> {
                 1.0 - smooth_step(share * 0.5 - softness, share * 0.5 + softness, from_middle);
             paint = blend(paint, with_tint(color, 0.0), bar);
         }
-        if let Some(Rim { width, color, tint }) = pattern.rim {
-            let soft = (width * 0.35).max(0.02);
+        if let Some(Rim {
+            width,
+            softness,
+            color,
+            tint,
+        }) = pattern.rim
+        {
+            let soft = (width * softness).max(0.02);
             let rim = 1.0 - smooth_step(width - soft, width + soft, self.inset(side, point));
             // Down has no rim.
             let downy = self.feather.vane(side).downy;

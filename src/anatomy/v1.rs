@@ -83,9 +83,12 @@ impl From<Pattern> for super::Pattern {
         let stop = |(v, color, tint)| Stop { v, color, tint };
         Self {
             stops: old.stops.into_iter().map(stop).collect(),
-            rim: old
-                .rim
-                .map(|(width, color, tint)| super::Rim { width, color, tint }),
+            rim: old.rim.map(|(width, color, tint)| super::Rim {
+                width,
+                softness: super::Rim::SOFTNESS,
+                color,
+                tint,
+            }),
             bars: old.bars.map(|(count, color, share, waviness)| super::Bars {
                 count,
                 color,

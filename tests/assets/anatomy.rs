@@ -349,6 +349,7 @@ fn bake_paints_stops_rim_bars_and_tint() {
     let rimmed = Pattern {
         rim: Some(Rim {
             width: 0.15,
+            softness: Rim::SOFTNESS,
             color: [0.0, 0.0, 1.0],
             tint: 0.0,
         }),
@@ -365,6 +366,23 @@ fn bake_paints_stops_rim_bars_and_tint() {
         [0, 0, 255, 0],
         "the rim runs on beyond the outline"
     );
+    // A soft one runs out over many pixels, a sharp one over few.
+    let between = |softness: f32| {
+        let rim = rimmed.rim.map(|rim| Rim {
+            width: 0.4,
+            softness,
+            ..rim
+        });
+        let soft = Pattern {
+            rim,
+            ..rimmed.clone()
+        };
+        let bytes = soft.bake(width, height, &feather);
+        let blues = (0..width).map(|column| at(&bytes, column, 90)[2]);
+        blues.filter(|blue| (20..236).contains(blue)).count()
+    };
+    let (sharp, soft) = (between(0.1), between(1.0));
+    assert!(sharp <= 4 && soft >= 8, "{sharp} and {soft} pixels");
     let barred = Pattern {
         bars: Some(Bars {
             count: 6.0,

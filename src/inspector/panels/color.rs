@@ -16,6 +16,7 @@ const GREY: Stop = Stop {
 };
 const RIM: Rim = Rim {
     width: 0.2,
+    softness: Rim::SOFTNESS,
     color: [0.2; 3],
     tint: 0.0,
 };
@@ -58,9 +59,17 @@ pub fn pattern_editor(ui: &mut egui::Ui, id: &str, pattern: &mut Pattern) -> boo
     // A stop that is dragged past another one changes places with it.
     pattern.stops.sort_by(|a, b| a.v.total_cmp(&b.v));
     changed |= optional(ui, "rim", &mut pattern.rim, RIM);
-    if let Some(Rim { width, color, tint }) = &mut pattern.rim {
+    if let Some(Rim {
+        width,
+        softness,
+        color,
+        tint,
+    }) = &mut pattern.rim
+    {
         let hint = "As a share of the half width";
         changed |= inner(ui, "width", hint, |ui| number(ui, width, Some(SHARE)));
+        let hint = "Over how much of its width to either side it runs out";
+        changed |= inner(ui, "softness", hint, |ui| number(ui, softness, Some(SHARE)));
         changed |= inner(ui, "color", "", |ui| color_button(ui, color));
         changed |= inner(ui, "groom's tint", TINT, |ui| number(ui, tint, Some(SHARE)));
     }

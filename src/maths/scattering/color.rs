@@ -89,15 +89,18 @@ pub fn fibre_color<T: Real>(p: &FibreParameters<T>, albedo: [T; 3]) -> FibreColo
 /// Albedo that one fibre must have for dense plumage to show `albedo`, when scattered light meets another fibre with chance
 /// `meeting` (0..1; 0 returns `albedo`; 0.5 is dense). See docs/book/light_between_fibres.md#multiple-scattering.
 pub fn single_scattering_albedo<T: Real>(albedo: [T; 3], meeting: T) -> [T; 3] {
+    albedo.map(|shown| inner_albedo(shown, meeting))
+}
+
+/// [`single_scattering_albedo`] of one channel.
+pub fn inner_albedo<T: Real>(albedo: T, meeting: T) -> T {
     let (zero, one) = (T::zero(), T::one());
     let p = clamp(meeting, zero, real(0.99));
     let later = real::<T>(0.5) * p + real(0.25);
-    albedo.map(|shown| {
-        let shown = clamp(shown, zero, one);
-        let b = one - p + shown * later;
-        let root = (b * b + shown * (p + p - one)).max(zero).sqrt();
-        (shown + shown) / (b + root)
-    })
+    let shown = clamp(albedo, zero, one);
+    let b = one - p + shown * later;
+    let root = (b * b + shown * (p + p - one)).max(zero).sqrt();
+    (shown + shown) / (b + root)
 }
 
 /// What dense plumage shows of fibres of `albedo` (0..1): the inverse of [`single_scattering_albedo`].

@@ -34,7 +34,7 @@ mod tier;
 
 pub use color::{
     FibreColor, MultipleScattering, PARALLEL_MEETINGS, fibre_color, gamma_fit, gamma_memory,
-    gamma_transmittance, multiple_scattering, shown_albedo, single_scattering_albedo,
+    gamma_transmittance, inner_albedo, multiple_scattering, shown_albedo, single_scattering_albedo,
 };
 pub use energy::{FibreEnergy, fibre_albedo, fibre_energy_split};
 pub use evaluate::{FibreLobes, azimuthal, fibre_evaluate, fibre_lobes};

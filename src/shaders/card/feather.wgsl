@@ -11,14 +11,14 @@
     feather_shadow::{Reaches, caught_light, kept_light, kept_place, light_ray, reach_of, reaches_of, shadowing_of},
     scattering::{
         FIBRE_PARAMETER_LENGTH, FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreReach, FibreRow, PARALLEL_MEETINGS, fibre_along, fibre_lit, fibre_lobes,
-        fibre_parameters, fibre_row_at, fibre_row_mix, fibre_shading, fibre_terms, multiple_scattering, single_scattering_albedo,
+        fibre_parameters, fibre_row_at, fibre_row_mix, fibre_shading, fibre_terms, inner_albedo, multiple_scattering, single_scattering_albedo,
     },
     scattering_near::{fibre_near, fibre_near_lobes, fibre_window},
     sheen::{sheen_albedo, sheen_evaluate, sheen_place, sheen_tint},
 }
 #ifdef PLAIN_FIBRES
 #import bevy_plumage::scattering_short as short
-#import bevy_plumage::feather_fibre::short_part
+#import bevy_plumage::feather_fibre::{keeping_of, kept_of, short_part}
 #endif
 #ifdef LIT_VERTICES
 #import bevy_plumage::feather_vertex_light::{answer, light_response, paint_over, response_of}
@@ -310,8 +310,6 @@ fn shade(
             let tangent = fibre_tangent(part, angles, covered.right, shear);
             let meets = settings.multiple_scattering * select(about.z, about.y, front);
             let eye = in_fibre(tangent, frame.hand, frame.local_eye);
-            // What it keeps of light from all around, lobe by lobe. Light that leaves it meets another fibre where light from all
-            // around would be kept off.
 #ifdef PLAIN_FIBRES
             let frequency = select(0.0, shadowing.frequency, part == shadowing.lower);
             var shading = short_part(about.w, eye, shape.w);
@@ -334,54 +332,38 @@ fn shade(
                 mirrored[i] = reaching[i].mirror * shimmer_lobe(shimmer, to_light + eye);
 #endif
             }
-            let before = kept_light(kept, part, 0u);
-            let after = kept_light(kept, part, 1u);
-            var lit = 1.0;
-            var parallel = 0.0;
-            var kept_second = vec2(before.y, after.y);
-            if (shading.structural) {
-                parallel = PARALLEL_MEETINGS;
-                lit = mix(1.0, clamp(0.5 + 0.5 * shading.azimuth.y, 0.0, 1.0), shading.back.y);
-                kept_second = vec2(before.w, after.w);
-            }
             var outside = shading.energy.x;
 #ifdef IRIDESCENT
             // Under layers the surface has no other reflection.
             outside *= 1.0 - shimmer.share;
 #endif
-            let surface = outside * vec2(before.x, after.x);
+            let keeping = keeping_of(shading, outside, kept, part);
             let weight = share * base_share;
-            let clear = shading.energy.y * lit;
             // One channel after the other: fewer numbers at a time.
             for (var c = 0u; c < 3u; c++) {
-                let painted = min(albedo[c] * about.x, 0.98);
-                var color = short::short_color(shading, single_scattering_albedo(vec3(painted), meets).x, frequency);
+                var color = short::short_color(shading, inner_albedo(min(albedo[c] * about.x, 0.98), meets), frequency);
 #ifdef IRIDESCENT
                 color.second *= entering[c];
                 color.scattered *= entering[c];
 #endif
-                let second = clear * color.second;
-                let medulla = shading.energy.z * color.scattered;
-                let from_front = second * kept_second.x + medulla * before.w;
-                let from_back = surface.y + second * kept_second.y + medulla * after.w;
-                let scattered = outside + second + medulla;
-                let again = short::short_again(scattered, surface.x + from_front + from_back, settings.multiple_scattering, parallel);
+                let own = kept_of(keeping, color);
                 var radiance = 0.0;
                 if (first == 0u) {
                     let everywhere = 0.5 * (around.irradiance[c] + behind.irradiance[c]);
-                    radiance = around.radiance[c] * surface.x + around.irradiance[c] * from_front + behind.irradiance[c] * from_back;
-                    radiance = again.y * radiance + again.x * everywhere;
+                    radiance = around.radiance[c] * keeping.surface.x + around.irradiance[c] * own.sides.x
+                        + behind.irradiance[c] * own.sides.y;
+                    radiance = own.cone * radiance + own.spread * everywhere;
 #ifdef IRIDESCENT
-                    radiance += around.radiance[c] * shimmer.energy[c] * before.x;
+                    radiance += around.radiance[c] * shimmer.energy[c] * kept_light(kept, part, 0u).x;
 #endif
                     radiance *= open;
                 }
                 for (var i = 0u; i < count; i++) {
-                    var own = again.y * short::short_lit(shading, color, lobes[i], reaching[i]);
+                    var lit = own.cone * short::short_lit(shading, color, lobes[i], reaching[i]);
 #ifdef IRIDESCENT
-                    own += mirrored[i][c];
+                    lit += mirrored[i][c];
 #endif
-                    radiance += batch[i].color[c] * (own + again.x * batch[i].caught);
+                    radiance += batch[i].color[c] * (lit + own.spread * batch[i].caught);
                 }
                 sum[c] += weight * radiance;
             }

@@ -1,11 +1,12 @@
 // The fibres of a card: how they lie in it, and their tables.
 #define_import_path bevy_plumage::feather_fibre
 #import bevy_plumage::{
-    feather_bindings::feather_at,
-    scattering::fibre_row_at,
+    feather_bindings::{feather_at, settings},
+    scattering::{PARALLEL_MEETINGS, fibre_row_at},
 }
 #ifdef PLAIN_FIBRES
 #import bevy_plumage::scattering_short as short
+#import bevy_plumage::feather_shadow::{KeptPlace, kept_light}
 #endif
 
 // Components in the order of the weights; the rachis is 0.
@@ -64,5 +65,50 @@ fn short_part(index: f32, eye: vec3<f32>, dark_back: f32) -> short::ShortShading
     let fine = true;
 #endif
     return short::short_shading(head, row, eye, dark_back, fine);
+}
+
+// What a component keeps of light from all around, before color; pairs: of light from the eye's side, and from the other.
+struct Keeping {
+    // Energies of the surface, of TT or TRcT, and of the medulla.
+    outside: f32,
+    clear: f32,
+    medulla: f32,
+    // Energy that the surface keeps, and shares that the others keep.
+    surface: vec2<f32>,
+    second: vec2<f32>,
+    scattered: vec2<f32>,
+    // Of the meetings with further fibres, the share with parallel ones.
+    parallel: f32,
+}
+
+// Of fibres of one color: what comes out of them of light from both sides, and spread and cone of what met further fibres.
+struct Kept {
+    sides: vec2<f32>,
+    spread: f32,
+    cone: f32,
+}
+
+// `outside`: energy of the surface.
+fn keeping_of(shading: short::ShortShading, outside: f32, place: KeptPlace, part: u32) -> Keeping {
+    let before = kept_light(place, part, 0u);
+    let after = kept_light(place, part, 1u);
+    let surface = outside * vec2(before.x, after.x);
+    let scattered = vec2(before.w, after.w);
+    if (shading.structural) {
+        let lit = mix(1.0, clamp(0.5 + 0.5 * shading.azimuth.y, 0.0, 1.0), shading.back.y);
+        return Keeping(outside, shading.energy.y * lit, shading.energy.z, surface, scattered, scattered, PARALLEL_MEETINGS);
+    }
+    return Keeping(outside, shading.energy.y, shading.energy.z, surface, vec2(before.y, after.y), scattered, 0.0);
+}
+
+// Light that leaves a fibre meets another one where light from all around would be kept off.
+fn kept_of(keeping: Keeping, color: short::ShortColor) -> Kept {
+    let second = keeping.clear * color.second;
+    let medulla = keeping.medulla * color.scattered;
+    let sides = keeping.surface * vec2(0.0, 1.0) + second * keeping.second + medulla * keeping.scattered;
+    let again = short::short_again(
+        keeping.outside + second + medulla, keeping.surface.x + sides.x + sides.y, settings.multiple_scattering, keeping.parallel,
+    );
+    return Kept(sides, again.x, again.y);
 }
 #endif

@@ -6,13 +6,13 @@
     feather_bindings::{albedo_sampler, albedo_texture, feather_at, feather_base, motion, rachis_at, settings, shape_at, sheen_at},
     feather_cover::{Covered, Frame, frame_of},
     feather_data as data,
-    feather_fibre::{BARB, DISTAL, fibre_tangent, in_fibre, short_part, shown_parts},
+    feather_fibre::{BARB, DISTAL, fibre_tangent, in_fibre, keeping_of, kept_of, short_part, shown_parts},
     feather_io::FeatherVertex,
-    feather_shadow::{Reaches, caught_light, kept_light, kept_place, light_ray, reach_of, reaches_of, shadowing_of},
+    feather_shadow::{Reaches, caught_light, kept_place, light_ray, reach_of, reaches_of, shadowing_of},
     footprint::Footprint,
     masking::{barb_strip, seen_cell, storeys},
     query::{LOD_MEAN, vane_coverage},
-    scattering::{FibreReach, PARALLEL_MEETINGS, single_scattering_albedo},
+    scattering::{FibreReach, inner_albedo},
     scattering_short as short,
     sheen::{sheen_albedo, sheen_evaluate, sheen_place, sheen_tint},
 }
@@ -173,17 +173,7 @@ fn vane_response(
         let eye = in_fibre(tangent, frame.hand, frame.local_eye);
         let frequency = select(0.0, shadowing.frequency, part == shadowing.lower);
         let shading = short_part(about.w, eye, header.w);
-        let before = kept_light(kept, part, 0u);
-        let after = kept_light(kept, part, 1u);
-        var clearness = 1.0;
-        var parallel = 0.0;
-        var kept_second = vec2(before.y, after.y);
-        if (shading.structural) {
-            parallel = PARALLEL_MEETINGS;
-            clearness = mix(1.0, clamp(0.5 + 0.5 * shading.azimuth.y, 0.0, 1.0), shading.back.y);
-            kept_second = vec2(before.w, after.w);
-        }
-        let surface = shading.energy.x * vec2(before.x, after.x);
+        let keeping = keeping_of(shading, shading.energy.x, kept, part);
         let weight = shares[part] * base_share;
         let of_part = vec3(select(vec2(0.0, per_paint.y), vec2(per_paint.x, 0.0), part <= BARB), 0.0);
         var lobes = array<short::ShortLobes, VERTEX_LIGHTS>();
@@ -195,34 +185,29 @@ fn vane_response(
             lobes[i] = short::short_lobes(shading, in_fibre(tangent, frame.hand, lights[i]));
             arriving[i] = reach_of(reaches[i], part, shadowing.lower, lobes[i].turn, false);
         }
-        let inside = single_scattering_albedo(vec3(min(bright * about.x, 0.98)), meets).x;
+        let inside = inner_albedo(min(bright * about.x, 0.98), meets);
         for (var c = 0u; c < 2u; c++) {
             let color = short::short_color(shading, select(0.0, inside, c == 0u), frequency);
             let counts = select(vec3(0.0, 0.0, 1.0) - of_part, of_part, c == 0u);
-            let second = shading.energy.y * clearness * color.second;
-            let medulla = shading.energy.z * color.scattered;
-            let from_front = second * kept_second.x + medulla * before.w;
-            let from_back = surface.y + second * kept_second.y + medulla * after.w;
-            let again = short::short_again(
-                shading.energy.x + second + medulla, surface.x + from_front + from_back, settings.multiple_scattering, parallel,
-            );
-            let there = vec2(again.y * from_front + 0.5 * again.x, again.y * from_back + 0.5 * again.x);
+            let kept_here = kept_of(keeping, color);
+            let there = kept_here.cone * kept_here.sides + 0.5 * kept_here.spread;
+            let sky = kept_here.cone * keeping.surface.x;
             var own = vec2(0.0);
             for (var i = 0u; i < VERTEX_LIGHTS; i++) {
                 if (!present[i]) {
                     continue;
                 }
-                own[i] = again.y * short::short_lit(shading, color, lobes[i], arriving[i]) + again.x * caught[i];
+                own[i] = kept_here.cone * short::short_lit(shading, color, lobes[i], arriving[i]) + kept_here.spread * caught[i];
             }
             if (part == 0u) {
-                let seen = weight * vec4(own, there + vec2(again.y * surface.x, 0.0));
+                let seen = weight * vec4(own, there + vec2(sky, 0.0));
                 shaft += select(-per_paint.x, per_paint.x, c == 0u) * seen;
                 black_shaft += select(1.0, 0.0, c == 0u) * seen;
                 continue;
             }
             ahead += weight * there.x * counts;
             beyond += weight * there.y * counts;
-            mirrored += 0.5 * weight * again.y * surface.x;
+            mirrored += 0.5 * weight * sky;
             lit[0] += weight * own.x * counts;
             lit[1] += weight * own.y * counts;
         }

@@ -549,10 +549,15 @@ fn fibre_albedo(s: FibreShading) -> vec3<f32> {
 
 // Albedo one fibre must have for plumage to show `albedo`, when scattered light meets another fibre with chance `meeting`.
 fn single_scattering_albedo(albedo: vec3<f32>, meeting: f32) -> vec3<f32> {
+    return vec3(inner_albedo(albedo.x, meeting), inner_albedo(albedo.y, meeting), inner_albedo(albedo.z, meeting));
+}
+
+// The same of one channel.
+fn inner_albedo(albedo: f32, meeting: f32) -> f32 {
     let p = clamp(meeting, 0.0, 0.99);
-    let shown = clamp(albedo, vec3<f32>(0.0), vec3<f32>(1.0));
+    let shown = clamp(albedo, 0.0, 1.0);
     let b = 1.0 - p + shown * (0.5 * p + 0.25);
-    return 2.0 * shown / (b + sqrt(max(b * b + (2.0 * p - 1.0) * shown, vec3<f32>(0.0))));
+    return 2.0 * shown / (b + sqrt(max(b * b + (2.0 * p - 1.0) * shown, 0.0)));
 }
 
 // Of the meetings with further fibres, the share with parallel ones, where a fibre mirrors.

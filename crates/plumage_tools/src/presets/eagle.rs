@@ -84,6 +84,7 @@ fn rimmed(pattern: Pattern, width: f32, rgb: u32) -> Albedo {
     both(Pattern {
         rim: Some(Rim {
             width,
+            softness: Rim::SOFTNESS,
             color: hex(rgb),
             tint: 0.15,
         }),
@@ -97,7 +98,8 @@ fn streaked(downy: f32, sides: u32, tint: f32, mottle: f32) -> Albedo {
     let downy = downy * DOWN_SHOWN;
     both(Pattern {
         rim: Some(Rim {
-            width: 0.24,
+            width: 0.25,
+            softness: 0.65,
             color: hex(sides),
             tint,
         }),
@@ -130,6 +132,7 @@ pub(super) fn all() -> Vec<Template> {
         albedo: both(Pattern {
             rim: Some(Rim {
                 width: 0.5,
+                softness: Rim::SOFTNESS,
                 color: hex(0x6E5842),
                 tint: 0.6,
             }),

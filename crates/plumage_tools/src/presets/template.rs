@@ -330,6 +330,7 @@ pub(super) fn rimmed(pattern: Pattern, width: f32, rgb: u32, mottle: f32) -> Alb
     both(Pattern {
         rim: Some(Rim {
             width,
+            softness: Rim::SOFTNESS,
             color: hex(rgb),
             tint: 0.15,
         }),

@@ -286,10 +286,10 @@ fn gape(out: &mut Primitive, skeleton: &Skeleton, b: &Bill, body: &Body) {
                 let along = (path[k + 1] - path[k]).normalize();
                 let across = along.cross(Vec3::Y).normalize();
                 let share = at / last as f32;
-                let thin = 1.0 - 0.85 * share.powi(2);
+                let thin = 1.0 - 0.8 * share;
                 let skin = body.project(off, 4);
                 let centre = off.lerp(
-                    skin + body.normal(skin) * (1.4 * wide * (1.0 - 1.2 * share.powi(3))),
+                    skin + body.normal(skin) * (0.9 * wide * (1.0 - 1.6 * share.powi(2))),
                     ease(0.1, 0.5, share),
                 );
                 Ring::round(
