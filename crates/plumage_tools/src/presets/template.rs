@@ -325,12 +325,12 @@ pub(super) fn both(front: Pattern) -> Albedo {
     }
 }
 
-/// One pattern for both faces with a rim of `width` half widths, and with more mottling than usual: `mottle`.
+/// One pattern for both faces with a soft rim of `width` half widths, and with more mottling than usual: `mottle`.
 pub(super) fn rimmed(pattern: Pattern, width: f32, rgb: u32, mottle: f32) -> Albedo {
     both(Pattern {
         rim: Some(Rim {
             width,
-            softness: Rim::SOFTNESS,
+            softness: 0.6,
             color: hex(rgb),
             tint: 0.15,
         }),
