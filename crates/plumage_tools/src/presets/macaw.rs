@@ -11,7 +11,7 @@ const BASE: u32 = 0xB8705E;
 const AMBER: u32 = 0xC6502A;
 const SCARLET: u32 = 0xC4231A;
 /// Rims of the red body feathers, by which one is told from the next: width, color and mottling.
-const CRIMSON: (f32, u32, f32) = (0.3, 0x9C1C15, 0.29);
+const CRIMSON: (f32, u32, f32) = (0.3, 0xA62018, 0.29);
 const LIGHT_BLUE: u32 = 0x5DA9DC;
 const BLUE: u32 = 0x1F3F9C;
 const RED_GOLD: u32 = 0xA8431F;
