@@ -60,6 +60,7 @@ impl Plugin for ShadersPlugin {
         load_shader_library!(app, "maths/anatomy.wgsl");
         load_shader_library!(app, "maths/scattering.wgsl");
         load_shader_library!(app, "maths/scattering_azimuth.wgsl");
+        load_shader_library!(app, "maths/scattering_multiple.wgsl");
         load_shader_library!(app, "maths/scattering_short.wgsl");
         load_shader_library!(app, "maths/scattering_near.wgsl");
         load_shader_library!(app, "maths/scattering_sample.wgsl");

@@ -10,6 +10,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 const ENTRY: &str = "
 #import bevy_plumage::scattering as scattering
+#import bevy_plumage::scattering_multiple as multiple
 const CASE_FLOATS: u32 = 12u;
 
 fn evaluate(i: u32) {
@@ -40,8 +41,8 @@ fn evaluate(i: u32) {
     output[out + 10u] = along.x + 2.0 * along.y + 3.0 * along.z;
     let local = scattering::fibre_local(omega_o, omega_i, albedo);
     let total = scattering::fibre_albedo(s);
-    let one = scattering::single_scattering_albedo(total, 0.4);
-    let more = scattering::multiple_scattering(one, vec3<f32>(0.4), 0.25);
+    let one = multiple::single_scattering_albedo(total, 0.4);
+    let more = multiple::multiple_scattering(one, vec3<f32>(0.4), 0.25);
     output[out + 12u] = more.spread.y + more.cone.z;
     output[out + 11u] = local.x + 2.0 * local.y + 3.0 * local.z;
 }
@@ -51,7 +52,7 @@ fn evaluate(i: u32) {
 fn evaluated(tables: &[FibreTable], cases: &[Case]) -> Option<Vec<f32>> {
     let count = cases.len();
     run(
-        &["scattering.wgsl"],
+        &["scattering.wgsl", "scattering_multiple.wgsl"],
         &[ENTRY, LOAD].concat(),
         &pack(tables, cases),
         count,

@@ -10,9 +10,10 @@
     feather_opacity::{LEAST_OPACITY, is_left_out, leaves_hole, moved_by, sample_bits},
     feather_shadow::{Reaches, caught_light, kept_light, kept_place, light_ray, reach_of, reaches_of, shadowing_of},
     scattering::{
-        FIBRE_PARAMETER_LENGTH, FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreReach, FibreRow, PARALLEL_MEETINGS, fibre_along, fibre_lit, fibre_lobes,
-        fibre_parameters, fibre_row_at, fibre_row_mix, fibre_shading, fibre_terms, inner_albedo, multiple_scattering, single_scattering_albedo,
+        FIBRE_PARAMETER_LENGTH, FIBRE_ROW_COUNT, FIBRE_ROW_LENGTH, FibreParameters, FibreReach, FibreRow, fibre_along, fibre_lit, fibre_lobes,
+        fibre_parameters, fibre_row_at, fibre_row_mix, fibre_shading, fibre_terms,
     },
+    scattering_multiple::{PARALLEL_MEETINGS, inner_albedo, multiple_scattering, single_scattering_albedo},
     scattering_near::{fibre_near, fibre_near_lobes, fibre_window},
     sheen::{sheen_albedo, sheen_evaluate, sheen_place, sheen_tint},
 }
@@ -350,11 +351,11 @@ fn shade(
                 var radiance = 0.0;
                 if (first == 0u) {
                     let everywhere = 0.5 * (around.irradiance[c] + behind.irradiance[c]);
-                    radiance = around.radiance[c] * keeping.surface.x + around.irradiance[c] * own.sides.x
+                    radiance = around.radiance[c] * keeping.outside * keeping.surface.x + around.irradiance[c] * own.sides.x
                         + behind.irradiance[c] * own.sides.y;
                     radiance = own.cone * radiance + own.spread * everywhere;
 #ifdef IRIDESCENT
-                    radiance += around.radiance[c] * shimmer.energy[c] * kept_light(kept, part, 0u).x;
+                    radiance += around.radiance[c] * shimmer.energy[c] * keeping.surface.x;
 #endif
                     radiance *= open;
                 }

@@ -2,11 +2,12 @@
 #define_import_path bevy_plumage::feather_fibre
 #import bevy_plumage::{
     feather_bindings::{feather_at, settings},
-    scattering::{PARALLEL_MEETINGS, fibre_row_at},
+    scattering::fibre_row_at,
 }
 #ifdef PLAIN_FIBRES
 #import bevy_plumage::scattering_short as short
 #import bevy_plumage::feather_shadow::{KeptPlace, kept_light}
+#import bevy_plumage::scattering_multiple::PARALLEL_MEETINGS
 #endif
 
 // Components in the order of the weights; the rachis is 0.
@@ -73,7 +74,7 @@ struct Keeping {
     outside: f32,
     clear: f32,
     medulla: f32,
-    // Energy that the surface keeps, and shares that the others keep.
+    // Shares of them that are kept.
     surface: vec2<f32>,
     second: vec2<f32>,
     scattered: vec2<f32>,
@@ -81,7 +82,8 @@ struct Keeping {
     parallel: f32,
 }
 
-// Of fibres of one color: what comes out of them of light from both sides, and spread and cone of what met further fibres.
+// Of fibres of one color: energy kept of light from both sides (of the eye's side without what the surface mirrors), and spread and cone of
+// what met further fibres.
 struct Kept {
     sides: vec2<f32>,
     spread: f32,
@@ -92,7 +94,7 @@ struct Kept {
 fn keeping_of(shading: short::ShortShading, outside: f32, place: KeptPlace, part: u32) -> Keeping {
     let before = kept_light(place, part, 0u);
     let after = kept_light(place, part, 1u);
-    let surface = outside * vec2(before.x, after.x);
+    let surface = vec2(before.x, after.x);
     let scattered = vec2(before.w, after.w);
     if (shading.structural) {
         let lit = mix(1.0, clamp(0.5 + 0.5 * shading.azimuth.y, 0.0, 1.0), shading.back.y);
@@ -105,9 +107,10 @@ fn keeping_of(shading: short::ShortShading, outside: f32, place: KeptPlace, part
 fn kept_of(keeping: Keeping, color: short::ShortColor) -> Kept {
     let second = keeping.clear * color.second;
     let medulla = keeping.medulla * color.scattered;
-    let sides = keeping.surface * vec2(0.0, 1.0) + second * keeping.second + medulla * keeping.scattered;
+    let surface = keeping.outside * keeping.surface;
+    let sides = vec2(0.0, surface.y) + second * keeping.second + medulla * keeping.scattered;
     let again = short::short_again(
-        keeping.outside + second + medulla, keeping.surface.x + sides.x + sides.y, settings.multiple_scattering, keeping.parallel,
+        keeping.outside + second + medulla, surface.x + sides.x + sides.y, settings.multiple_scattering, keeping.parallel,
     );
     return Kept(sides, again.x, again.y);
 }

@@ -12,7 +12,8 @@
     footprint::Footprint,
     masking::{barb_strip, seen_cell, storeys},
     query::{LOD_MEAN, vane_coverage},
-    scattering::{FibreReach, inner_albedo},
+    scattering::FibreReach,
+    scattering_multiple::inner_albedo,
     scattering_short as short,
     sheen::{sheen_albedo, sheen_evaluate, sheen_place, sheen_tint},
 }
@@ -189,15 +190,15 @@ fn vane_response(
         for (var c = 0u; c < 2u; c++) {
             let color = short::short_color(shading, select(0.0, inside, c == 0u), frequency);
             let counts = select(vec3(0.0, 0.0, 1.0) - of_part, of_part, c == 0u);
-            let kept_here = kept_of(keeping, color);
-            let there = kept_here.cone * kept_here.sides + 0.5 * kept_here.spread;
-            let sky = kept_here.cone * keeping.surface.x;
+            let whole = kept_of(keeping, color);
+            let there = whole.cone * whole.sides + 0.5 * whole.spread;
+            let sky = whole.cone * keeping.outside * keeping.surface.x;
             var own = vec2(0.0);
             for (var i = 0u; i < VERTEX_LIGHTS; i++) {
                 if (!present[i]) {
                     continue;
                 }
-                own[i] = kept_here.cone * short::short_lit(shading, color, lobes[i], arriving[i]) + kept_here.spread * caught[i];
+                own[i] = whole.cone * short::short_lit(shading, color, lobes[i], arriving[i]) + whole.spread * caught[i];
             }
             if (part == 0u) {
                 let seen = weight * vec4(own, there + vec2(sky, 0.0));

@@ -80,18 +80,6 @@ fn barred(count: f32, share: f32, waviness: f32, tip: f32, dark: u32) -> Albedo 
     faces(pattern(0x554C44, dark), pattern(0x6B625A, 0x40372F))
 }
 
-fn rimmed(pattern: Pattern, width: f32, rgb: u32) -> Albedo {
-    both(Pattern {
-        rim: Some(Rim {
-            width,
-            softness: Rim::SOFTNESS,
-            color: hex(rgb),
-            tint: 0.15,
-        }),
-        ..pattern
-    })
-}
-
 /// A dark streak along the shaft that runs out into pale sides, down below: what streaks breast and belly of photographs. `downy`: share
 /// of the length that is down, `tint`: share of the groom's color in the sides, `mottle`: how uneven these are.
 fn streaked(downy: f32, sides: u32, tint: f32, mottle: f32) -> Albedo {
@@ -158,7 +146,7 @@ pub(super) fn all() -> Vec<Template> {
         right: ROUND,
         fringe: 0.08,
         gaps: gaps(4, 0.008, 0.4, 33),
-        albedo: rimmed(body(0.46, BASE, 0x3A2A1E, BROWN), 0.2, RIM),
+        albedo: rimmed(body(0.46, BASE, 0x3A2A1E, BROWN), 0.2, Rim::SOFTNESS, RIM),
         matte: false,
         ..head.clone()
     };
@@ -314,7 +302,12 @@ pub(super) fn all() -> Vec<Template> {
             },
             fringe: 0.04,
             gaps: gaps(3, 0.007, 0.35, 36),
-            albedo: rimmed(body(0.42, BASE, 0x302822, 0x4C3F35), 0.26, 0x665646),
+            albedo: rimmed(
+                body(0.42, BASE, 0x302822, 0x4C3F35),
+                0.26,
+                Rim::SOFTNESS,
+                0x665646,
+            ),
             ..contour.clone()
         },
         Template {
@@ -336,7 +329,12 @@ pub(super) fn all() -> Vec<Template> {
             },
             fringe: 0.03,
             gaps: gaps(3, 0.005, 0.35, 37),
-            albedo: rimmed(body(0.22, DOWN, 0x463D36, 0x473D33), 0.12, 0x62554A),
+            albedo: rimmed(
+                body(0.22, DOWN, 0x463D36, 0x473D33),
+                0.12,
+                Rim::SOFTNESS,
+                0x62554A,
+            ),
             ..contour.clone()
         },
         primary.clone(),

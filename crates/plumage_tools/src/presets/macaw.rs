@@ -10,7 +10,8 @@ const GOLD: u32 = 0xE8A24A;
 const BASE: u32 = 0xB8705E;
 const AMBER: u32 = 0xC6502A;
 const SCARLET: u32 = 0xC4231A;
-/// Rims of the red body feathers, by which one is told from the next: width, color and mottling.
+/// Rims of the red feathers, by which one is told from the next: how soft they are, and on the body width, color and mottling.
+const SOFT: f32 = 0.6;
 const CRIMSON: (f32, u32, f32) = (0.3, 0xA62018, 0.29);
 const LIGHT_BLUE: u32 = 0x5DA9DC;
 const BLUE: u32 = 0x1F3F9C;
@@ -83,7 +84,7 @@ fn blue_remex(base: f32) -> bevy_plumage::anatomy::Albedo {
 /// A red body feather.
 fn red(pattern: Pattern) -> bevy_plumage::anatomy::Albedo {
     let (width, rim, mottle) = CRIMSON;
-    rimmed(pattern, width, rim, mottle)
+    rimmed(Pattern { mottle, ..pattern }, width, SOFT, rim)
 }
 
 /// M1 to M12.
@@ -234,7 +235,13 @@ pub(super) fn all() -> Vec<Template> {
             fringe: 0.03,
             gaps: gaps(2, 0.008, 0.3, 18),
             // Narrower rims than on the body, and less dark: coverts lie close.
-            albedo: rimmed(body(0.36, BASE, AMBER, SCARLET), 0.12, 0xA61F18, 0.2),
+            albedo: {
+                let pattern = Pattern {
+                    mottle: 0.2,
+                    ..body(0.36, BASE, AMBER, SCARLET)
+                };
+                rimmed(pattern, 0.12, SOFT, 0xA61F18)
+            },
             ..contour.clone()
         },
         Template {

@@ -325,16 +325,15 @@ pub(super) fn both(front: Pattern) -> Albedo {
     }
 }
 
-/// One pattern for both faces with a soft rim of `width` half widths, and with more mottling than usual: `mottle`.
-pub(super) fn rimmed(pattern: Pattern, width: f32, rgb: u32, mottle: f32) -> Albedo {
+/// One pattern for both faces with a rim of `width` half widths that runs out over `softness` of it.
+pub(super) fn rimmed(pattern: Pattern, width: f32, softness: f32, rgb: u32) -> Albedo {
     both(Pattern {
         rim: Some(Rim {
             width,
-            softness: 0.6,
+            softness,
             color: hex(rgb),
             tint: 0.15,
         }),
-        mottle,
         ..pattern
     })
 }

@@ -191,7 +191,7 @@ const BILL: Bill = Bill {
     wedge: [0.0, 0.0],
     nostril: [0.25, 56.0, 2.6, 1.4],
     rings: [5.0, 0.05],
-    // From the cere back to below the eye.
+    // From the cere back to before and below the eye.
     gape: &[
         [13.5, 502.5, 104.0],
         [21.0, 499.5, 98.0],
