@@ -6,7 +6,7 @@ use bevy_plumage::{
 
 /// The names of all feathers: the macaw's, the eagle's, one neutral feather of each type; then, behind those that synthetic
 /// photographs show, what came later.
-pub const FEATHERS: [&str; 59] = [
+pub const FEATHERS: [&str; 60] = [
     "macaw_head",
     "macaw_face_line",
     "macaw_neck",
@@ -66,6 +66,7 @@ pub const FEATHERS: [&str; 59] = [
     "owl_rectrix",
     "owl_leg",
     "owl_tarsal",
+    "macaw_primary_covert",
 ];
 
 /// How many of them synthetic photographs show: a corpus stays the same whatever feathers are added.

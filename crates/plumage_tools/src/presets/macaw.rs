@@ -13,6 +13,7 @@ const SCARLET: u32 = 0xC4231A;
 /// Rims of the red feathers, by which one is told from the next: how soft they are, and on the body width, color and mottling.
 const SOFT: f32 = 0.6;
 const CRIMSON: (f32, u32, f32) = (0.3, 0xA62018, 0.29);
+const YELLOW: u32 = 0xF2BC14;
 const LIGHT_BLUE: u32 = 0x5DA9DC;
 const BLUE: u32 = 0x1F3F9C;
 const RED_GOLD: u32 = 0xA8431F;
@@ -87,7 +88,7 @@ fn red(pattern: Pattern) -> bevy_plumage::anatomy::Albedo {
     rimmed(Pattern { mottle, ..pattern }, width, SOFT, rim)
 }
 
-/// M1 to M12.
+/// M1 to M14.
 pub(super) fn all() -> Vec<Template> {
     let head = Template {
         name: "macaw_head",
@@ -143,6 +144,44 @@ pub(super) fn all() -> Vec<Template> {
         shaft: [0.6, 0.35, 0.08],
         downy: 0.44,
         ..CONTOUR
+    };
+    let greater = Template {
+        name: "macaw_greater",
+        length_mm: 68.0,
+        width_mm: 27.0,
+        left_share: 0.4,
+        bend: 0.04,
+        left: OBLONG,
+        right: OBLONG_FULL,
+        micro: Micro {
+            pitch: [0.50, 0.42],
+            angle: [28.0, 36.0],
+            ramus: 40.0,
+            barbule_angle: [42.0, 35.0],
+            shaft: [1.6, 0.7, 0.12],
+            downy: 0.25,
+            ..CONTOUR
+        },
+        fringe: 0.02,
+        gaps: gaps(2, 0.006, 0.35, 20),
+        albedo: rimmed(
+            Pattern {
+                mottle: 0.16,
+                ..stops(&[
+                    (0.0, DOWN, 0.0),
+                    (0.2, 0xCDB98A, 0.0),
+                    (0.32, 0xE0A010, 0.9),
+                    (0.7, YELLOW, 1.0),
+                    (0.93, YELLOW, 0.9),
+                    (0.98, 0x7E9A2E, 0.15),
+                    (1.0, 0x3F8A3A, 0.1),
+                ])
+            },
+            0.22,
+            SOFT,
+            0xC0880E,
+        ),
+        ..contour.clone()
     };
     vec![
         head.clone(),
@@ -220,8 +259,9 @@ pub(super) fn all() -> Vec<Template> {
             gaps: gaps(10, 0.015, 0.5, 17),
             albedo: both(stops(&[
                 (0.0, DOWN, 0.0),
-                (0.75, DOWN, 0.1),
-                (1.0, 0xC08070, 0.7),
+                (0.4, 0xC49A8E, 0.2),
+                (0.75, 0xB86A5C, 0.6),
+                (1.0, 0xB0584C, 0.8),
             ])),
             ..contour.clone()
         },
@@ -244,37 +284,26 @@ pub(super) fn all() -> Vec<Template> {
             },
             ..contour.clone()
         },
+        greater.clone(),
         Template {
-            name: "macaw_greater",
-            length_mm: 68.0,
-            width_mm: 27.0,
-            left_share: 0.4,
-            bend: 0.04,
-            left: OBLONG,
-            right: OBLONG_FULL,
-            micro: Micro {
-                pitch: [0.50, 0.42],
-                angle: [28.0, 36.0],
-                ramus: 40.0,
-                barbule_angle: [42.0, 35.0],
-                shaft: [1.6, 0.7, 0.12],
-                downy: 0.25,
-                ..CONTOUR
-            },
-            fringe: 0.02,
-            gaps: gaps(2, 0.006, 0.35, 20),
-            albedo: both(Pattern {
-                mottle: 0.08,
-                ..stops(&[
-                    (0.0, DOWN, 0.0),
-                    (0.2, 0xCDB98A, 0.0),
-                    (0.32, 0xF2BC14, 1.0),
-                    (0.88, 0xF2BC14, 1.0),
-                    (0.95, 0x3F8A3A, 0.15),
-                    (1.0, 0x2E6F86, 0.1),
-                ])
-            }),
-            ..contour.clone()
+            name: "macaw_primary_covert",
+            gaps: gaps(2, 0.006, 0.35, 24),
+            albedo: rimmed(
+                Pattern {
+                    mottle: 0.1,
+                    ..stops(&[
+                        (0.0, DOWN, 0.0),
+                        (0.2, 0x2A3550, 0.4),
+                        (0.32, BLUE, 0.9),
+                        (1.0, 0x1B3688, 0.85),
+                    ])
+                },
+                0.2,
+                SOFT,
+                0x16285F,
+            ),
+            structural: true,
+            ..greater
         },
         primary.clone(),
         Template {

@@ -270,7 +270,7 @@ const MOTION: Motion = Motion {
 };
 
 /// Feather templates, in the order of their numbers.
-const TEMPLATES: [&str; 13] = [
+const TEMPLATES: [&str; 14] = [
     "head",
     "face_line",
     "neck",
@@ -280,6 +280,7 @@ const TEMPLATES: [&str; 13] = [
     "semiplume",
     "lesser",
     "greater",
+    "primary_covert",
     "primary",
     "secondary",
     "rectrix",
@@ -333,17 +334,17 @@ const ROWS: &[RowLook] = &[
     look("secondaries", "secondary", 9, (0., 0.), (48., 47.), (0., 0.09, 10.), (12, 4), (0x2450AE, 0x2B6795)),
     look("tertials", "secondary", 3, (0., 0.), (46., 44.), (0., 0.08, 10.), (12, 4), (0x2D6C89, 0x2E6F86)),
     look("alula", "primary", 4, (45., 85.), (14., 20.), (3., 0.06, 8.), (6, 2), (0x1F46A6, 0x1F46A6)),
-    look("primary_coverts", "greater", 10, (70., 110.), (24., 20.), (1.5, 0.07, 8.), (6, 2), (0x2450AE, 0x2450AE)),
+    look("primary_coverts", "primary_covert", 10, (70., 110.), (24., 20.), (1.5, 0.07, 8.), (6, 2), (0x2450AE, 0x2450AE)),
     look("greater_coverts", "greater", 12, (98., 76.), (30., 36.), (3.5, 0.06, 10.), (6, 2), (0xF2BC14, 0xF2BC14)),
-    look("median_primary", "greater", 9, (46., 34.), (24., 20.), (6., 0.06, 12.), (4, 2), (0x2A58AA, 0x2450AE)),
+    look("median_primary", "primary_covert", 9, (46., 34.), (24., 20.), (6., 0.06, 12.), (4, 2), (0x2A58AA, 0x2450AE)),
     look("median_secondary", "greater", 12, (62., 48.), (24., 30.), (6., 0.06, 12.), (4, 2), (0xF5C21A, 0xF5C21A)),
-    look("lesser_1", "lesser", 14, (34., 42.), (20., 26.), (4., 0.05, 12.), (4, 2), (0xC8361D, 0xC8361D)),
+    look("lesser_1", "lesser", 14, (34., 42.), (20., 26.), (4., 0.05, 12.), (4, 2), (0xD8661C, 0xD8661C)),
     look("lesser_2", "lesser", 14, (30., 40.), (18., 25.), (4., 0.05, 12.), (4, 2), (0xC8361D, 0xC8361D)),
     look("lesser_3", "lesser", 14, (27., 38.), (17., 24.), (4., 0.05, 12.), (4, 2), (0xC8361D, 0xC8361D)),
     look("lesser_4", "lesser", 14, (24., 36.), (16., 23.), (4., 0.05, 12.), (4, 2), (0xC8361D, 0xC8361D)),
     look("lesser_5", "lesser", 14, (21., 34.), (15., 22.), (4., 0.05, 12.), (4, 2), (0xC8361D, 0xC8361D)),
-    look("under_primary", "greater", 10, (70., 95.), (28., 20.), (3., 0.06, 6.), (5, 2), (0xB0482A, 0xB0482A)),
-    look("under_secondary", "greater", 12, (80., 55.), (24., 28.), (3., 0.06, 6.), (5, 2), (0xB0482A, 0xB0482A)),
+    look("under_primary", "contour", 10, (70., 95.), (28., 20.), (3., 0.06, 6.), (5, 2), (0xB0482A, 0xB0482A)),
+    look("under_secondary", "contour", 12, (80., 55.), (24., 28.), (3., 0.06, 6.), (5, 2), (0xB0482A, 0xB0482A)),
     look("under_median_primary", "lesser", 10, (40., 28.), (20., 16.), (4., 0.06, 8.), (3, 2), (0xA8381F, 0xA8381F)),
     look("under_median_secondary", "lesser", 12, (45., 32.), (20., 22.), (4., 0.06, 8.), (3, 2), (0xA8381F, 0xA8381F)),
     look("axillaries", "soft", 9, (50., 80.), (20., 26.), (5., 0.05, 5.), (4, 2), (0xB03020, 0xB03020)),
