@@ -2,6 +2,7 @@
 
 use super::{
     asset::{Groom, Region, Row, painted},
+    bird::Bird,
     card::{Card, CardGeometry},
     cells::Cells,
     drape::{Shape, drape, rise},
@@ -29,17 +30,6 @@ use std::collections::HashMap;
 
 /// Lengths of a feather around its root, within which others are tied as it is.
 const AROUND: f32 = 2.0;
-
-/// A bird to be feathered.
-#[derive(Clone, Debug, Default)]
-pub struct Bird {
-    /// Its skin in bind pose.
-    pub skin: SkinMesh,
-    /// Names of the joints of its skin, in their order; empty if it is not skinned.
-    pub joints: Vec<String>,
-    /// Where each of them is in bind pose, model space, metres; empty if that is not known. Used by [`Groom::bend`].
-    pub pivots: Vec<Vec3>,
-}
 
 /// The cards of a bird.
 #[derive(Clone, Debug)]

@@ -2,6 +2,7 @@
 
 use super::{leaf::Leaf, pose::blend};
 use bevy::math::{Affine3A, Vec3};
+use std::ops::Range;
 
 /// One feather's block of vertices.
 pub struct Block {
@@ -11,6 +12,53 @@ pub struct Block {
     pub wide: usize,
     /// Vertices along.
     pub rows: usize,
+}
+
+/// A place on a feather: three vertices and their shares.
+pub type Spot = [(u32, f32); 3];
+
+impl Block {
+    #[inline]
+    fn vertex(&self, i: usize, j: usize) -> u32 {
+        (self.first + i * self.wide + j) as u32
+    }
+
+    /// The corners of the two triangles of a quad.
+    #[inline]
+    pub fn triangles(&self, i: usize, j: usize) -> [[u32; 3]; 2] {
+        let (a, b) = (self.vertex(i, j), self.vertex(i, j + 1));
+        let (c, d) = (self.vertex(i + 1, j + 1), self.vertex(i + 1, j));
+        [[a, b, c], [a, c, d]]
+    }
+
+    /// Rows and columns of the first vertices of all quads.
+    pub fn quads(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.quads_in(0..self.rows - 1)
+    }
+
+    /// Those whose first vertices lie in these rows.
+    #[inline]
+    pub fn quads_in(&self, rows: Range<usize>) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let wide = self.wide - 1;
+        rows.flat_map(move |i| (0..wide).map(move |j| (i, j)))
+    }
+
+    /// The triangle of the mesh at shares across (-1..1) and along (0..1).
+    pub fn spot(&self, across: f32, along: f32) -> Spot {
+        let x = (0.5 + 0.5 * across).clamp(0.0, 1.0) * (self.wide - 1) as f32;
+        let y = along.clamp(0.0, 1.0) * (self.rows - 1) as f32;
+        let (j, i) = (
+            (x as usize).min(self.wide - 2),
+            (y as usize).min(self.rows - 2),
+        );
+        let (u, v) = (x - j as f32, y - i as f32);
+        let (a, c) = (self.vertex(i, j), self.vertex(i + 1, j + 1));
+        if u > v {
+            [(a, 1.0 - u), (self.vertex(i, j + 1), u - v), (c, v)]
+        } else {
+            [(a, 1.0 - v), (self.vertex(i + 1, j), v - u), (c, u)]
+        }
+    }
 }
 
 /// The vertices of a coat in one pose, before they are raised in it.

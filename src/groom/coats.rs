@@ -4,7 +4,8 @@
 use super::{
     asset::Groom,
     authored::{Authored, SkinMasks},
-    build::{Bird, Coat, DownTract, groom_bird},
+    bird::Bird,
+    build::{Coat, DownTract, groom_bird},
     card::{Card, CardGeometry},
     component::CardRegion,
     error::{GroomError, MaskFlaw},

@@ -1,7 +1,7 @@
 //! Where feathers of a posed coat touch: samples of one over or under the triangles of another.
 
 use super::{
-    carried::{Block, Carried},
+    carried::{Block, Carried, Spot},
     cells::Cells,
     facets::Vanes,
     leaf::Leaf,
@@ -10,7 +10,6 @@ use bevy::{
     math::Vec3,
     tasks::{ComputeTaskPool, TaskPool},
 };
-use std::ops::Range;
 
 /// Samples that must lie on the right side: shares of the length,
 const ALONG: [f32; 8] = [0.12, 0.2, 0.3, 0.4, 0.5, 0.62, 0.8, 0.97];
@@ -34,9 +33,6 @@ const BEHIND: usize = 8;
 const CUBE: f32 = 0.25;
 /// Samples that one task takes.
 const CHUNK: usize = 2048;
-
-/// A place on a feather: three vertices and their shares.
-pub type Spot = [(u32, f32); 3];
 
 /// Two places, one over the other.
 pub struct Contact {
@@ -64,42 +60,6 @@ pub fn raise(spot: &Spot, heights: &[f32]) -> f32 {
 pub fn blade(v: f32) -> f32 {
     let end = ((v - 0.62) / 0.38).max(0.0);
     (0.25 + 2.5 * v).min(1.0) * (1.0 - end * end).max(0.0).sqrt()
-}
-
-impl Block {
-    fn vertex(&self, i: usize, j: usize) -> u32 {
-        (self.first + i * self.wide + j) as u32
-    }
-
-    /// The corners of the two triangles of a quad.
-    #[inline]
-    pub fn triangles(&self, i: usize, j: usize) -> [[u32; 3]; 2] {
-        let (a, b) = (self.vertex(i, j), self.vertex(i, j + 1));
-        let (c, d) = (self.vertex(i + 1, j + 1), self.vertex(i + 1, j));
-        [[a, b, c], [a, c, d]]
-    }
-
-    /// Rows and columns of the first vertices of all quads.
-    pub fn quads(&self) -> impl Iterator<Item = (usize, usize)> {
-        quads(self, 0..self.rows - 1)
-    }
-
-    /// The triangle of the mesh at shares across (-1..1) and along (0..1).
-    fn spot(&self, across: f32, along: f32) -> Spot {
-        let x = (0.5 + 0.5 * across).clamp(0.0, 1.0) * (self.wide - 1) as f32;
-        let y = along.clamp(0.0, 1.0) * (self.rows - 1) as f32;
-        let (j, i) = (
-            (x as usize).min(self.wide - 2),
-            (y as usize).min(self.rows - 2),
-        );
-        let (u, v) = (x - j as f32, y - i as f32);
-        let (a, c) = (self.vertex(i, j), self.vertex(i + 1, j + 1));
-        if u > v {
-            [(a, 1.0 - u), (self.vertex(i, j + 1), u - v), (c, v)]
-        } else {
-            [(a, 1.0 - v), (self.vertex(i + 1, j), v - u), (c, u)]
-        }
-    }
 }
 
 fn at(spot: &Spot, points: &[Vec3]) -> Vec3 {
@@ -415,10 +375,4 @@ impl<'a> Finder<'a> {
         self.vanes
             .project(sample.place, normal, other.leaf, from..to, reach)
     }
-}
-
-/// The quads of a feather whose first vertices lie in these rows.
-pub fn quads(block: &Block, rows: Range<usize>) -> impl Iterator<Item = (usize, usize)> + use<> {
-    let wide = block.wide - 1;
-    rows.flat_map(move |i| (0..wide).map(move |j| (i, j)))
 }

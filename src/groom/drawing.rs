@@ -1,13 +1,16 @@
 //! Small pictures of a posed coat: every feather at a pixel that lies near the nearest.
 
 use super::{
-    carried::Carried,
-    contact::{Spot, Stands, blade},
+    carried::{Carried, Spot},
+    contact::{Stands, blade},
     leaf::Leaf,
-    seen::{HELD, REACH},
 };
 use bevy::math::{Vec2, Vec3, Vec4};
 
+/// How far behind the nearest a feather may lie that should cover it, widths of the narrower.
+pub const REACH: f32 = 0.5;
+/// How far below its upper a feather is held there, widths of the narrower.
+pub const HELD: f32 = 0.1;
 /// Side of a pixel, median widths, and pixels along a side at most.
 const PIXEL: f32 = 0.2;
 const PIXELS: f32 = 400.0;

@@ -1,9 +1,6 @@
 //! The triangles of feathers, four by four, and where places project to on them.
 
-use super::{
-    carried::Block,
-    contact::{Spot, quads},
-};
+use super::carried::{Block, Spot};
 use bevy::math::{Vec3, Vec4};
 use std::ops::Range;
 
@@ -71,7 +68,7 @@ impl<'a> Vanes<'a> {
             let last = block.rows.saturating_sub(1);
             firsts.push(first as u32);
             facets.resize(first + last * fours(block), Facets::default());
-            for (i, j) in quads(block, 0..last) {
+            for (i, j) in block.quads_in(0..last) {
                 for (number, corners) in block.triangles(i, j).into_iter().enumerate() {
                     let at = 2 * j + number;
                     let corners = corners.map(|corner| points[corner as usize]);

@@ -11,6 +11,7 @@
 
 mod asset;
 mod authored;
+mod bird;
 mod build;
 mod card;
 mod carried;
@@ -57,9 +58,10 @@ pub use asset::{
     Station, Tint, painted,
 };
 pub use authored::{Authored, AuthoredGuide, AuthoredRow, AuthoredStation, SkinMasks, chains};
+pub use bird::Bird;
 #[cfg(feature = "internals")]
 pub use build::groom_with;
-pub use build::{Bird, Coat, DownTract, groom_bird};
+pub use build::{Coat, DownTract, groom_bird};
 pub use card::{Card, CardGeometry};
 pub use component::{
     CardRegion, CardRoots, DownTracts, FeathersOf, NotSkin, Plumage, PlumageCards, PlumageFailed,

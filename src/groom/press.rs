@@ -2,7 +2,7 @@
 
 use super::{
     asset::Groom,
-    build::Bird,
+    bird::Bird,
     fan::{fan_transform, rotation},
     leaf::Leaf,
     rows::FanJoint,

@@ -5,9 +5,9 @@
 //! that it should cover.
 
 use super::{
-    carried::Carried,
-    contact::{Contact, GAP, Spot, Stands, raise},
-    drawing::{Drawing, Fragment, Picture},
+    carried::{Carried, Spot},
+    contact::{Contact, GAP, Stands, raise},
+    drawing::{Drawing, Fragment, HELD, Picture, REACH},
     leaf::Leaf,
 };
 use crate::maths::order::{WINDOW_MOST, WINDOW_STEPS, order_reach};
@@ -19,10 +19,6 @@ use std::ops::Range;
 
 /// Pictures at a time.
 const EYES: usize = 16;
-/// How far behind the nearest a feather may lie that should cover it, widths of the narrower.
-pub const REACH: f32 = 0.5;
-/// How far below its upper a feather is held there, widths of the narrower.
-pub const HELD: f32 = 0.1;
 /// Feathers of a pixel that are looked at.
 const PILE: usize = 12;
 /// Feathers below each other that count as seen: where the coat moves a little, the next shows.

@@ -6,7 +6,8 @@ use bevy::math::Vec3;
 
 use crate::body::Body;
 use crate::nets::Surface;
-use crate::tract::{self, Tract};
+use crate::species::Tract;
+use crate::tract;
 
 /// Splits edges inside a region at their middles, so that it gets four times the triangles.
 pub fn refine(body: &Body, surface: &mut Surface, inside: impl Fn(Vec3) -> bool) {

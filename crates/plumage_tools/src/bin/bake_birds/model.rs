@@ -11,8 +11,8 @@ use crate::maps::Maps;
 use crate::naked;
 use crate::nets;
 use crate::skeleton::Skeleton;
-use crate::species::{Species, linear};
-use crate::tract::{self, Tract};
+use crate::species::{Species, Tract, linear};
+use crate::tract;
 use crate::tube::{Primitive, Vertex};
 use crate::weights;
 

@@ -11,8 +11,8 @@ use crate::model::Model;
 use crate::preview;
 use crate::rows::{Builder, template};
 use crate::skeleton::{Joint, Skeleton};
-use crate::species::{Species, srgb};
-use crate::tract::{self, Tract};
+use crate::species::{Species, Tract, srgb};
+use crate::tract;
 use crate::wing::WingPlane;
 
 /// Guides on the left half.

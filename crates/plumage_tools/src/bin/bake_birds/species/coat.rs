@@ -1,6 +1,6 @@
 //! What a table of feathers says: tracts, rows, tail coverts.
 
-use crate::tract::Tract::{self, *};
+use super::tract::Tract::{self, *};
 
 /// One scattered tract. Spans run over phi, cranial to caudal.
 #[derive(Debug)]

@@ -1,11 +1,11 @@
 //! The golden eagle as numbers: millimetres, degrees, sRGB.
 
+use super::bird::{Arcs, Species, WingPose};
 use super::coat::{self, RowLook, TailCoverts, TractRow, look, row};
 use super::coat::{CONTOUR, HEAD, LESSER, TRUNK};
 use super::face::{BareFace, Bill, Brow, Cere, EyeRim, Ledge, LoreArea, Naked};
 use super::motion::{Jaw, Motion};
-use super::{Arcs, Species, WingPose};
-use crate::tract::Tract::{self, *};
+use super::tract::Tract::{self, *};
 
 /// The bird.
 pub fn species() -> Species {

@@ -1,11 +1,11 @@
 //! The scarlet macaw as numbers: millimetres, degrees, sRGB.
 
+use super::bird::{Arcs, Species, WingPose};
 use super::coat::{self, RowLook, TailCoverts, TractRow, look, row};
 use super::coat::{CONTOUR, HEAD, LESSER, TRUNK};
 use super::face::{BareFace, Bill, EyeRim, FaceLines, Naked, Patch};
 use super::motion::{Flick, Grip, Jaw, Motion};
-use super::{Arcs, Species, WingPose};
-use crate::tract::Tract::{self, *};
+use super::tract::Tract::{self, *};
 
 /// The bird.
 pub fn species() -> Species {
