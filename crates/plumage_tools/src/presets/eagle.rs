@@ -87,7 +87,7 @@ fn streaked(downy: f32, sides: u32, tint: f32, mottle: f32) -> Albedo {
     both(Pattern {
         rim: Some(Rim {
             width: 0.25,
-            softness: 0.65,
+            softness: 0.5,
             color: hex(sides),
             tint,
         }),
