@@ -170,7 +170,7 @@ pub(super) fn all() -> Vec<Template> {
                 ..stops(&[
                     (0.0, DOWN, 0.0),
                     (0.2, 0xCDB98A, 0.0),
-                    (0.32, 0xE0A010, 0.9),
+                    (0.32, 0xE2AA12, 0.9),
                     (0.7, YELLOW, 1.0),
                     (0.93, YELLOW, 0.9),
                     (0.98, 0x7E9A2E, 0.15),
@@ -179,7 +179,7 @@ pub(super) fn all() -> Vec<Template> {
             },
             0.22,
             SOFT,
-            0xC0880E,
+            0xC6960E,
         ),
         ..contour.clone()
     };
