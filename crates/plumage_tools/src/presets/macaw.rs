@@ -59,6 +59,19 @@ const PRIMARY: Micro = Micro {
     downy: 0.04,
 };
 
+/// Blue that the groom may shift: the color at the base, and along the feather where it is dark and where wholly blue.
+fn blue(ground: u32, dark: f32, whole: f32) -> Pattern {
+    Pattern {
+        mottle: 0.1,
+        ..stops(&[
+            (0.0, ground, 0.0),
+            (dark, 0x2A3550, 0.4),
+            (whole, BLUE, 0.9),
+            (1.0, 0x1B3688, 0.85),
+        ])
+    }
+}
+
 /// The blue remiges: dark blue that the groom may shift, dull red-gold below.
 fn blue_remex(base: f32) -> bevy_plumage::anatomy::Albedo {
     let back = Pattern {
@@ -70,15 +83,7 @@ fn blue_remex(base: f32) -> bevy_plumage::anatomy::Albedo {
             (1.0, 0x96401F, 0.0),
         ])
     };
-    let front = Pattern {
-        mottle: 0.1,
-        ..stops(&[
-            (0.0, 0xB9B4B0, 0.0),
-            (base, 0x2A3550, 0.4),
-            (0.25, BLUE, 0.9),
-            (1.0, 0x1B3688, 0.85),
-        ])
-    };
+    let front = blue(0xB9B4B0, base, 0.25);
     faces(front, back)
 }
 
@@ -288,20 +293,7 @@ pub(super) fn all() -> Vec<Template> {
         Template {
             name: "macaw_primary_covert",
             gaps: gaps(2, 0.006, 0.35, 24),
-            albedo: rimmed(
-                Pattern {
-                    mottle: 0.1,
-                    ..stops(&[
-                        (0.0, DOWN, 0.0),
-                        (0.2, 0x2A3550, 0.4),
-                        (0.32, BLUE, 0.9),
-                        (1.0, 0x1B3688, 0.85),
-                    ])
-                },
-                0.2,
-                SOFT,
-                0x16285F,
-            ),
+            albedo: rimmed(blue(DOWN, 0.2, 0.32), 0.2, SOFT, 0x16285F),
             structural: true,
             ..greater
         },
