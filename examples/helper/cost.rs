@@ -60,6 +60,16 @@ pub fn seconds(app: &mut App) -> f64 {
     }
 }
 
+/// Quartiles, linearly between the nearest two.
+fn quartiles(mut list: Vec<f64>) -> [f64; 3] {
+    list.sort_by(f64::total_cmp);
+    [0.25, 0.5, 0.75].map(|share| {
+        let at = share * list.len().saturating_sub(1) as f64;
+        let value = |at: f64| list.get(at as usize).copied().unwrap_or(f64::NAN);
+        value(at.floor()).lerp(value(at.ceil()), at.fract())
+    })
+}
+
 /// The least: what other programs do to the caches only adds.
 pub fn least(list: &[f64]) -> f64 {
     list.iter().copied().fold(f64::NAN, f64::min)
@@ -109,8 +119,9 @@ const WARM_UP: usize = 3;
 const GPU_WARM_UP: usize = 120;
 
 /// Time of whole frames of two apps that show the same scene, with its feathers and with the same cards in a `StandardMaterial`, over
-/// `rounds` rounds; of the feathers also with those drawn that the skin hides. Prints the least of each, their ratios, and by how much
-/// hidden cards change the picture; on a GPU also its passes.
+/// `rounds` rounds; of the feathers also with those drawn that the skin hides. Prints the least of each, quartiles of the ratios of
+/// rounds (a machine's speed changes more from round to round than within one), and by how much hidden cards change the picture; on a GPU
+/// also its passes.
 pub fn compare_cards(
     [(feathers, image), (cards, _)]: Apps,
     rounds: u32,
@@ -144,14 +155,18 @@ pub fn compare_cards(
         }
     }
     let [own, all, plain] = times.each_ref().map(|list| 1e3 * least(list));
+    let [own_ratio, all_ratio] = [0, 1].map(|state| {
+        let rounds = times[state].iter().zip(&times[2]);
+        let [low, middle, high] = quartiles(rounds.map(|(own, plain)| own / plain).collect());
+        format!("{middle:.2} ({low:.2} to {high:.2})")
+    });
     let steps = pictures[0].iter().zip(&pictures[1]);
     let steps: Vec<u8> = steps.map(|(a, b)| a.abs_diff(*b)).collect();
     println!(
         "{name}: least of {rounds} frames each, {}: feathers {own:.2} ms, with hidden cards {all:.2} ms, cards in StandardMaterial \
-         {plain:.2} ms, ratios {:.2} and {:.2}; cards: {classes}; hidden cards change {} of {} channels, by at most {} of 255",
+         {plain:.2} ms; ratios of rounds {own_ratio} and {all_ratio}; cards: {classes}; hidden cards change {} of {} channels, by at \
+         most {} of 255",
         clock(feathers),
-        own / plain,
-        all / plain,
         steps.iter().filter(|step| **step > 0).count(),
         steps.len(),
         steps.iter().max().unwrap_or(&0),

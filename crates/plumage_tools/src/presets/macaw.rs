@@ -72,9 +72,9 @@ fn blue(ground: u32, dark: f32, whole: f32) -> Pattern {
     }
 }
 
-/// The blue remiges: dark blue that the groom may shift, dull red-gold below.
-fn blue_remex(base: f32) -> bevy_plumage::anatomy::Albedo {
-    let back = Pattern {
+/// Dull red-gold, as the blue remiges are below.
+fn red_gold(base: f32) -> Pattern {
+    Pattern {
         mottle: 0.12,
         ..stops(&[
             (0.0, 0xB9A999, 0.0),
@@ -82,9 +82,27 @@ fn blue_remex(base: f32) -> bevy_plumage::anatomy::Albedo {
             (0.5, RED_GOLD, 0.0),
             (1.0, 0x96401F, 0.0),
         ])
+    }
+}
+
+/// The blue remiges.
+fn blue_remex(base: f32) -> bevy_plumage::anatomy::Albedo {
+    faces(blue(0xB9B4B0, base, 0.25), red_gold(base))
+}
+
+/// The alula: the coverts of the wrist, which are red, leave its lower half open here and there.
+fn alula() -> bevy_plumage::anatomy::Albedo {
+    let front = Pattern {
+        mottle: 0.1,
+        ..stops(&[
+            (0.0, SCARLET, 0.0),
+            (0.45, SCARLET, 0.0),
+            (0.6, 0x2A3550, 0.4),
+            (0.75, BLUE, 0.9),
+            (1.0, 0x1B3688, 0.85),
+        ])
     };
-    let front = blue(0xB9B4B0, base, 0.25);
-    faces(front, back)
+    faces(front, red_gold(0.06))
 }
 
 /// A red body feather.
@@ -296,6 +314,11 @@ pub(super) fn all() -> Vec<Template> {
             albedo: rimmed(blue(DOWN, 0.2, 0.32), 0.2, SOFT, 0x16285F),
             structural: true,
             ..greater
+        },
+        Template {
+            name: "macaw_alula",
+            albedo: alula(),
+            ..primary.clone()
         },
         primary.clone(),
         Template {

@@ -270,7 +270,7 @@ const MOTION: Motion = Motion {
 };
 
 /// Feather templates, in the order of their numbers.
-const TEMPLATES: [&str; 14] = [
+const TEMPLATES: [&str; 15] = [
     "head",
     "face_line",
     "neck",
@@ -281,6 +281,7 @@ const TEMPLATES: [&str; 14] = [
     "lesser",
     "greater",
     "primary_covert",
+    "alula",
     "primary",
     "secondary",
     "rectrix",
@@ -333,7 +334,7 @@ const ROWS: &[RowLook] = &[
     look("primaries", "primary", 10, (0., 0.), (46., 28.), (0., 0.06, 3.), (14, 4), (0x1F3F9C, 0x1F3F9C)),
     look("secondaries", "secondary", 9, (0., 0.), (48., 47.), (0., 0.09, 10.), (12, 4), (0x2450AE, 0x2B6795)),
     look("tertials", "secondary", 3, (0., 0.), (46., 44.), (0., 0.08, 10.), (12, 4), (0x2D6C89, 0x2E6F86)),
-    look("alula", "primary", 4, (45., 85.), (14., 20.), (3., 0.06, 8.), (6, 2), (0x1F46A6, 0x1F46A6)),
+    look("alula", "alula", 4, (45., 85.), (14., 20.), (3., 0.06, 8.), (6, 2), (0x1F46A6, 0x1F46A6)),
     look("primary_coverts", "primary_covert", 10, (70., 110.), (24., 20.), (1.5, 0.07, 8.), (6, 2), (0x2450AE, 0x2450AE)),
     look("greater_coverts", "greater", 12, (98., 76.), (30., 36.), (3.5, 0.06, 10.), (6, 2), (0xF2BC14, 0xF2BC14)),
     look("median_primary", "primary_covert", 9, (46., 34.), (24., 20.), (6., 0.06, 12.), (4, 2), (0x2A58AA, 0x2450AE)),
