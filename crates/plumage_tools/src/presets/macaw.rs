@@ -92,16 +92,10 @@ fn blue_remex(base: f32) -> bevy_plumage::anatomy::Albedo {
 
 /// The alula: the coverts of the wrist, which are red, leave its lower half open here and there.
 fn alula() -> bevy_plumage::anatomy::Albedo {
-    let front = Pattern {
-        mottle: 0.1,
-        ..stops(&[
-            (0.0, SCARLET, 0.0),
-            (0.45, SCARLET, 0.0),
-            (0.6, 0x2A3550, 0.4),
-            (0.75, BLUE, 0.9),
-            (1.0, 0x1B3688, 0.85),
-        ])
-    };
+    let mut front = blue(SCARLET, 0.6, 0.75);
+    let mut last = front.stops[0];
+    last.v = 0.45;
+    front.stops.insert(1, last);
     faces(front, red_gold(0.06))
 }
 
