@@ -34,8 +34,8 @@ use std::{
 };
 use wgpu_types::DeviceType;
 
-/// Longest wait for assets and grooms.
-const LOAD_TIMEOUT: Duration = Duration::from_secs(300);
+/// Longest wait from one coat to the next.
+const LOAD_TIMEOUT: Duration = Duration::from_secs(900);
 /// Longest wait for the picture to come back from the GPU.
 const CAPTURE_TIMEOUT: Duration = Duration::from_secs(60);
 /// Shortest wait: a coat may bring another one (down below feathers).
@@ -290,6 +290,7 @@ fn load(app: &mut App, name: &str) -> Result<(), String> {
     let start = Instant::now();
     let mut files = FailedFiles::default();
     let (mut shown, mut at) = (None, start);
+    let mut grew = start;
     loop {
         app.update();
         let growth = Growth::of(app.world_mut());
@@ -302,18 +303,29 @@ fn load(app: &mut App, name: &str) -> Result<(), String> {
                 growth.wanted,
                 waited.as_secs_f32()
             );
-            (shown, at) = (Some(growth.clone()), Instant::now());
+            at = Instant::now();
+            if shown.as_ref() != Some(&growth) {
+                (shown, grew) = (Some(growth.clone()), at);
+            }
         }
         if let Some(exit) = app.should_exit() {
             return Err(format!("the renderer stopped: {exit:?}"));
         }
         let settled = growth.is_settled() && waited > LOAD_AT_LEAST;
-        if settled || given_up || waited > LOAD_TIMEOUT {
+        let timed_out = grew.elapsed() > LOAD_TIMEOUT;
+        if settled || given_up || timed_out {
             for error in &growth.errors {
                 eprintln!("{name}: {error}");
             }
             if growth.is_bare() {
                 return Err("no coat has grown".into());
+            }
+            // A picture without a coat that is still growing would look like one of a bird without it.
+            if timed_out && !settled {
+                return Err(format!(
+                    "{} of {} coats grown after {waited:.0?}, and none in the last {LOAD_TIMEOUT:.0?}",
+                    growth.grown, growth.wanted
+                ));
             }
             if !settled {
                 eprintln!("{name}: not everything was loaded after {waited:.0?}");

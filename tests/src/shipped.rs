@@ -6,7 +6,7 @@ use bevy_plumage::{
 
 /// The names of all feathers: the macaw's, the eagle's, one neutral feather of each type; then, behind those that synthetic
 /// photographs show, what came later.
-pub const FEATHERS: [&str; 61] = [
+pub const FEATHERS: [&str; 62] = [
     "macaw_head",
     "macaw_face_line",
     "macaw_neck",
@@ -68,6 +68,7 @@ pub const FEATHERS: [&str; 61] = [
     "owl_tarsal",
     "macaw_primary_covert",
     "macaw_alula",
+    "owl_covert",
 ];
 
 /// How many of them synthetic photographs show: a corpus stays the same whatever feathers are added.

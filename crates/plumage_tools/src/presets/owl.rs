@@ -69,39 +69,49 @@ const REMEX: Micro = Micro {
     downy: 0.06,
 };
 
-/// Gold under a grey veil, which hides `grey` of the gold at the tip.
-fn veiled(downy: f32, grey: f32) -> Pattern {
+/// Gold under a grey veil, which begins at `from` and hides `grey` of the gold at the tip.
+fn veiled_from(from: f32, downy: f32, grey: f32) -> Pattern {
     let downy = downy * 0.5;
+    let full = (100.0 * from + 10.0).round() / 100.0;
     Pattern {
         mottle: 0.3,
         ..stops(&[
             (0.0, BASE, 0.0),
             (downy - 0.05, BASE, 0.0),
             (downy + 0.08, GOLD, 0.9),
-            (0.72, GOLD, 1.0),
-            (0.82, VEIL, 1.1 - grey),
+            (from, GOLD, 1.0),
+            (full, VEIL, 1.1 - grey),
             (1.0, VEIL, 1.0 - grey),
         ])
     }
 }
 
-/// On the shaft near the end a dark drop that holds a white pearl, above it a smaller one. `aspect`: half the width over the length.
-fn pearled(downy: f32, aspect: f32) -> Pattern {
+fn veiled(downy: f32, grey: f32) -> Pattern {
+    veiled_from(0.72, downy, grey)
+}
+
+/// A dark drop that holds a white pearl. `aspect`: half the width over the length.
+fn pearl([v, across]: [f32; 2], half_width: f32, aspect: f32) -> Vec<Spot> {
     let spot = |v: f32, half_width: f32, roundness: f32, rgb: u32| Spot {
         v,
-        across: 0.0,
+        across,
         half_width,
         half_length: (1000.0 * half_width * aspect * roundness).round() / 1000.0,
         color: hex(rgb),
         tint: 0.0,
     };
+    vec![
+        spot(v, half_width, 0.9, DARK),
+        spot(v + 0.01, 0.55 * half_width, 0.85, WHITE),
+    ]
+}
+
+/// A pearl near the end, above it a smaller one.
+fn pearled(downy: f32, aspect: f32) -> Pattern {
+    let mut spots = pearl([0.76, 0.0], 0.11, aspect);
+    spots.extend(pearl([0.925, 0.0], 0.18, aspect));
     Pattern {
-        spots: vec![
-            spot(0.76, 0.11, 1.0, DARK),
-            spot(0.77, 0.06, 0.9, WHITE),
-            spot(0.925, 0.18, 0.9, DARK),
-            spot(0.935, 0.1, 0.8, WHITE),
-        ],
+        spots,
         ..veiled(downy, 0.75)
     }
 }
@@ -297,7 +307,33 @@ pub(super) fn all() -> Vec<Template> {
             },
             fringe: 0.25,
             gaps: gaps(3, 0.007, 0.35, 69),
-            albedo: both(veiled(0.42, 0.3)),
+            albedo: both(Pattern {
+                mottle: 0.4,
+                ..veiled_from(0.6, 0.42, 0.45)
+            }),
+            ..body_feather.clone()
+        },
+        Template {
+            name: "owl_covert",
+            length_mm: 36.0,
+            width_mm: 19.0,
+            left: SPADE,
+            right: SPADE,
+            micro: Micro {
+                pitch: [0.45; 2],
+                angle: [36.0; 2],
+                shaft: [0.8, 0.45, 0.08],
+                downy: 0.36,
+                ..BODY
+            },
+            fringe: 0.25,
+            gaps: gaps(3, 0.006, 0.35, 76),
+            albedo: both(Pattern {
+                // Beside the shaft, where the next one in the row leaves it open.
+                spots: pearl([0.86, -0.45], 0.15, 0.26),
+                mottle: 0.45,
+                ..veiled_from(0.52, 0.36, 0.52)
+            }),
             ..body_feather.clone()
         },
         Template {

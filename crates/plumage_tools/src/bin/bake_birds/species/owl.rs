@@ -223,7 +223,7 @@ const MOTION: Motion = Motion {
 };
 
 /// Feather templates, in the order of their numbers.
-const TEMPLATES: [&str; 15] = [
+const TEMPLATES: [&str; 16] = [
     "head",
     "disc",
     "ruff",
@@ -239,6 +239,7 @@ const TEMPLATES: [&str; 15] = [
     "rectrix",
     "leg",
     "tarsal",
+    "covert",
 ];
 
 /// Color of the skin below the coat.
@@ -273,7 +274,7 @@ const TRACTS: &[TractRow] = &[
     row("disc", &[Tract::Disc], "disc", 640, 11, (9., 11.5), (4.4, 5.4), (11., 10.), (0.04, 4.), (0.2, 1900., HEAD), (0xEFE7DC, 0xF4EEE6)),
     row("eye_rays", &[Tract::Disc], "disc", 260, 0, (6., 9.), (3.6, 4.4), (8., 8.), (0.04, 4.), (0.2, 1880., HEAD), (0xCDB69C, 0xF0E8DC)),
     row("ruff", &[Ruff], "ruff", 420, 5, (10.5, 11.), (4., 5.), (24., 20.), (0.05, 10.), (0.5, 1950., HEAD), (0xC09866, 0x9A744D)),
-    row("neck_dorsal", &[NeckDorsal], "lesser", 270, 0, (22., 32.), (12., 16.), (9., 9.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xBE9C71, 0xBE9C71)),
+    row("neck_dorsal", &[NeckDorsal], "covert", 270, 0, (22., 32.), (12., 16.), (9., 9.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xBE9C71, 0xBE9C71)),
     row("neck_ventral", &[NeckVentral], "breast", 130, 0, (18., 28.), (11., 15.), (9., 9.), (0.07, 14.), (0.2, 1600., CONTOUR), (0xEDE3D4, 0xEFE7DA)),
     row("mantle", &[Mantle, ScapularMantle], "mantle", 100, 6, (30., 40.), (17., 21.), (8., 8.), (0.06, 10.), (0.25, 1400., CONTOUR), (0xBE9C71, 0xBE9C71)),
     row("back", &[Back], "mantle", 56, 5, (30., 38.), (17., 20.), (9., 9.), (0.06, 8.), (0.25, 1300., CONTOUR), (0xBE9C71, 0xC2A27A)),
@@ -288,7 +289,7 @@ const TRACTS: &[TractRow] = &[
     row("side", &[Side], "breast", 110, 0, (26., 30.), (15., 18.), (2., 2.), (0.06, 12.), (0., 620., CONTOUR), (0xEFE6D8, 0xEFE6D8)),
     row("vent", &[Vent], "soft", 40, 0, (26., 42.), (15., 20.), (12., 12.), (0.05, 10.), (0.25, 300., CONTOUR), (0xF4EFE6, 0xF4EFE6)),
     row("filler", TRUNK, "semiplume", 70, 0, (14., 22.), (14., 18.), (2., 2.), (0., 0.), (0., 0., LESSER), (0xCFC6BA, 0xCFC6BA)),
-    row("lesser_upper", &[LesserUpper], "lesser", 320, 0, (17., 13.), (12., 12.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0xC09C6E, 0xBE9C71)),
+    row("lesser_upper", &[LesserUpper], "covert", 320, 0, (17., 13.), (12., 12.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0xC09C6E, 0xBE9C71)),
     row("elbow", &[Elbow], "lesser", 60, 0, (15., 19.), (12., 15.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0xBE9C71, 0xBE9C71)),
     row("marginal_upper", &[MarginalUpper], "lesser", 630, 0, (8., 14.), (6., 8.), (4., 4.), (0.05, 16.), (0.3, 1100., HEAD), (0xD2B287, 0xC4A277)),
     row("lesser_under", &[LesserUnder], "breast", 250, 6, (14., 28.), (11., 16.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0xF2ECE2, 0xF2ECE2)),
@@ -306,13 +307,13 @@ const ROWS: &[RowLook] = &[
     look("tertials", "greater", 4, (0., 0.), (35., 31.), (0., 0.07, 30.), (12, 4), (0xBE9C71, 0xBE9C71)),
     look("alula", "primary", 4, (42., 78.), (13., 18.), (3., 0.06, 8.), (6, 2), (0xC4A277, 0xC4A277)),
     look("primary_coverts", "greater", 10, (60., 88.), (20., 17.), (1.5, 0.07, 8.), (6, 2), (0xC09E72, 0xC09E72)),
-    look("greater_coverts", "greater", 14, (66., 50.), (22., 27.), (2., 0.06, 16.), (6, 2), (0xBE9C71, 0xBE9C71)),
+    look("greater_coverts", "covert", 14, (66., 50.), (22., 27.), (2., 0.06, 16.), (6, 2), (0xBE9C71, 0xBE9C71)),
     look("median_primary", "greater", 10, (38., 31.), (20., 17.), (6., 0.06, 12.), (4, 2), (0xBE9C71, 0xBE9C71)),
-    look("median_secondary", "greater", 15, (45., 34.), (19., 23.), (7., 0.06, 12.), (4, 2), (0xBE9C71, 0xBE9C71)),
-    look("lesser_1", "lesser", 13, (36., 42.), (18., 23.), (4., 0.05, 12.), (4, 2), (0xBE9C71, 0xBA976A)),
-    look("lesser_2", "lesser", 13, (32., 40.), (17., 22.), (4., 0.05, 12.), (4, 2), (0xBE9C71, 0xBA976A)),
-    look("lesser_3", "lesser", 13, (28., 38.), (16., 22.), (4., 0.05, 12.), (4, 2), (0xC09C6E, 0xBE9C71)),
-    look("lesser_4", "lesser", 13, (24., 36.), (15., 21.), (4., 0.05, 12.), (4, 2), (0xC09C6E, 0xBE9C71)),
+    look("median_secondary", "covert", 15, (45., 34.), (19., 23.), (7., 0.06, 12.), (4, 2), (0xBE9C71, 0xBE9C71)),
+    look("lesser_1", "covert", 13, (36., 42.), (18., 23.), (4., 0.05, 12.), (4, 2), (0xBE9C71, 0xBA976A)),
+    look("lesser_2", "covert", 13, (32., 40.), (17., 22.), (4., 0.05, 12.), (4, 2), (0xBE9C71, 0xBA976A)),
+    look("lesser_3", "covert", 13, (28., 38.), (16., 22.), (4., 0.05, 12.), (4, 2), (0xC09C6E, 0xBE9C71)),
+    look("lesser_4", "covert", 13, (24., 36.), (15., 21.), (4., 0.05, 12.), (4, 2), (0xC09C6E, 0xBE9C71)),
     look("lesser_5", "lesser", 13, (20., 34.), (14., 20.), (4., 0.05, 12.), (4, 2), (0xC8A678, 0xC09C6E)),
     look("under_primary", "breast", 10, (56., 70.), (22., 17.), (3., 0.06, 6.), (5, 2), (0xF2ECE2, 0xF2ECE2)),
     look("under_secondary", "breast", 14, (60., 44.), (19., 22.), (3., 0.06, 6.), (5, 2), (0xF2ECE2, 0xF2ECE2)),
