@@ -296,7 +296,8 @@ fn load(app: &mut App, name: &str) -> Result<(), String> {
         let growth = Growth::of(app.world_mut());
         let given_up = files.given_up(app.world());
         let waited = start.elapsed();
-        if shown.as_ref() != Some(&growth) || at.elapsed() > PROGRESS {
+        let grows = shown.as_ref() != Some(&growth);
+        if grows || at.elapsed() > PROGRESS {
             println!(
                 "{name}: {} of {} coats grown, {:.0} s",
                 growth.grown,
@@ -304,7 +305,7 @@ fn load(app: &mut App, name: &str) -> Result<(), String> {
                 waited.as_secs_f32()
             );
             at = Instant::now();
-            if shown.as_ref() != Some(&growth) {
+            if grows {
                 (shown, grew) = (Some(growth.clone()), at);
             }
         }

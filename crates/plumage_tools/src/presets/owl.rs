@@ -69,10 +69,9 @@ const REMEX: Micro = Micro {
     downy: 0.06,
 };
 
-/// Gold under a grey veil, which begins at `from` and hides `grey` of the gold at the tip.
-fn veiled_from(from: f32, downy: f32, grey: f32) -> Pattern {
+/// Gold under a grey veil, which comes in between two heights and hides `grey` of the gold at the tip.
+fn veiled_within([from, full]: [f32; 2], downy: f32, grey: f32) -> Pattern {
     let downy = downy * 0.5;
-    let full = (100.0 * from + 10.0).round() / 100.0;
     Pattern {
         mottle: 0.3,
         ..stops(&[
@@ -86,11 +85,12 @@ fn veiled_from(from: f32, downy: f32, grey: f32) -> Pattern {
     }
 }
 
+/// The same, veiled at the tip alone.
 fn veiled(downy: f32, grey: f32) -> Pattern {
-    veiled_from(0.72, downy, grey)
+    veiled_within([0.72, 0.82], downy, grey)
 }
 
-/// A dark drop that holds a white pearl. `aspect`: half the width over the length.
+/// A dark drop that holds a white pearl, at a height and a place across. `aspect`: half the width over the length.
 fn pearl([v, across]: [f32; 2], half_width: f32, aspect: f32) -> Vec<Spot> {
     let spot = |v: f32, half_width: f32, roundness: f32, rgb: u32| Spot {
         v,
@@ -106,7 +106,7 @@ fn pearl([v, across]: [f32; 2], half_width: f32, aspect: f32) -> Vec<Spot> {
     ]
 }
 
-/// A pearl near the end, above it a smaller one.
+/// On the shaft a pearl near the end, further down a smaller one.
 fn pearled(downy: f32, aspect: f32) -> Pattern {
     let mut spots = pearl([0.76, 0.0], 0.11, aspect);
     spots.extend(pearl([0.925, 0.0], 0.18, aspect));
@@ -167,6 +167,27 @@ pub(super) fn all() -> Vec<Template> {
         gaps: gaps(4, 0.010, 0.4, 65),
         albedo: both(body(0.5, BASE, 0xD8CEC0, WHITE)),
         ..head.clone()
+    };
+    let lesser = Template {
+        name: "owl_lesser",
+        length_mm: 22.0,
+        width_mm: 13.5,
+        left: SPADE,
+        right: SPADE,
+        micro: Micro {
+            pitch: [0.42; 2],
+            angle: [38.0; 2],
+            shaft: [0.6, 0.35, 0.07],
+            downy: 0.42,
+            ..BODY
+        },
+        fringe: 0.25,
+        gaps: gaps(3, 0.007, 0.35, 69),
+        albedo: both(Pattern {
+            mottle: 0.4,
+            ..veiled_within([0.6, 0.7], 0.42, 0.45)
+        }),
+        ..body_feather.clone()
     };
     let primary = Template {
         name: "owl_primary",
@@ -292,33 +313,11 @@ pub(super) fn all() -> Vec<Template> {
             ])),
             ..body_feather.clone()
         },
-        Template {
-            name: "owl_lesser",
-            length_mm: 22.0,
-            width_mm: 13.5,
-            left: SPADE,
-            right: SPADE,
-            micro: Micro {
-                pitch: [0.42; 2],
-                angle: [38.0; 2],
-                shaft: [0.6, 0.35, 0.07],
-                downy: 0.42,
-                ..BODY
-            },
-            fringe: 0.25,
-            gaps: gaps(3, 0.007, 0.35, 69),
-            albedo: both(Pattern {
-                mottle: 0.4,
-                ..veiled_from(0.6, 0.42, 0.45)
-            }),
-            ..body_feather.clone()
-        },
+        lesser.clone(),
         Template {
             name: "owl_covert",
             length_mm: 36.0,
             width_mm: 19.0,
-            left: SPADE,
-            right: SPADE,
             micro: Micro {
                 pitch: [0.45; 2],
                 angle: [36.0; 2],
@@ -326,15 +325,14 @@ pub(super) fn all() -> Vec<Template> {
                 downy: 0.36,
                 ..BODY
             },
-            fringe: 0.25,
             gaps: gaps(3, 0.006, 0.35, 76),
             albedo: both(Pattern {
                 // Beside the shaft, where the next one in the row leaves it open.
                 spots: pearl([0.86, -0.45], 0.15, 0.26),
                 mottle: 0.45,
-                ..veiled_from(0.52, 0.36, 0.52)
+                ..veiled_within([0.52, 0.62], 0.36, 0.52)
             }),
-            ..body_feather.clone()
+            ..lesser
         },
         Template {
             name: "owl_greater",
