@@ -425,7 +425,7 @@ impl SceneBird {
             | "neck_ventral" => "head and neck",
             "scapulars" => "scapulars",
             "femoral" | "crural" | "tarsal" => "legs",
-            "lesser_upper" | "marginal_upper" | "elbow" => "wing coverts",
+            "lesser_upper" | "marginal_upper" | "marginal_hand" | "elbow" => "wing coverts",
             "lesser_under" | "marginal_under" | "axillaries" => "under wing",
             _ if name.starts_with("under_") && !name.contains("tail") => "under wing",
             _ if name.contains("tail") || name == "rectrices" => "tail",

@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::preview;
 use crate::rows::{Builder, template};
 use crate::skeleton::{Joint, Skeleton};
-use crate::species::{Species, Tract, srgb};
+use crate::species::{Limb, Species, Tract, TractRow, srgb};
 use crate::tract;
 use crate::wing::WingPlane;
 
@@ -26,10 +26,7 @@ pub fn groom(species: &Species, model: &Model) -> Groom {
         .iter()
         .map(|t| {
             let mut region = Region::new(t.name);
-            region.select = match t.on {
-                [one] => Select::Tract(*one as u32),
-                many => Select::Any(many.iter().map(|t| Select::Tract(*t as u32)).collect()),
-            };
+            region.select = select(t);
             region.feather = template(species, t.feather);
             region.count = t.count;
             if t.rows > 0 {
@@ -66,6 +63,26 @@ pub fn groom(species: &Species, model: &Model) -> Groom {
     groom.rows = Builder::new(species, &body).rows();
     groom.poses = key_poses(species, &model.skeleton);
     groom
+}
+
+/// What of the skin a scattered tract grows on.
+fn select(row: &TractRow) -> Select {
+    let tracts = match row.on {
+        [one] => Select::Tract(*one as u32),
+        many => Select::Any(many.iter().map(|t| Select::Tract(*t as u32)).collect()),
+    };
+    let hand = || {
+        Select::Joints(
+            ["hand_L", "digit_L", "hand_R", "digit_R"]
+                .map(String::from)
+                .into(),
+        )
+    };
+    match row.limb {
+        Limb::Whole => tracts,
+        Limb::Arm => Select::Every(vec![tracts, Select::Not(vec![hand()])]),
+        Limb::Hand => Select::Every(vec![tracts, hand()]),
+    }
 }
 
 /// The poses in which the coat is settled: at rest, with the wing stretched, half-way there, and as modelled, with open wings.
@@ -342,7 +359,7 @@ pub fn report(species: &Species, model: &Model, groom: &Groom) {
 
 /// Whether down grows below the feathers of a tract: not on the face, the wings and the feet.
 fn is_downy(name: &str) -> bool {
-    const BARE: [&str; 15] = [
+    const BARE: [&str; 16] = [
         "disc",
         "eye_rays",
         "ruff",
@@ -355,6 +372,7 @@ fn is_downy(name: &str) -> bool {
         "lesser_upper",
         "elbow",
         "marginal_upper",
+        "marginal_hand",
         "lesser_under",
         "marginal_under",
         "tarsal",

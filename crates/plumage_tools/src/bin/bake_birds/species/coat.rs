@@ -2,6 +2,17 @@
 
 use super::tract::Tract::{self, *};
 
+/// The part of a wing that a tract is cut down to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limb {
+    /// No cut.
+    Whole,
+    /// What hand and digit do not carry.
+    Arm,
+    /// What hand and digit carry.
+    Hand,
+}
+
 /// One scattered tract. Spans run over phi, cranial to caudal.
 #[derive(Debug)]
 pub struct TractRow {
@@ -9,6 +20,8 @@ pub struct TractRow {
     pub name: &'static str,
     /// Tracts of the mesh it grows on.
     pub on: &'static [Tract],
+    /// Part of them.
+    pub limb: Limb,
     /// Feather template.
     pub feather: &'static str,
     /// Feathers on both sides together.
@@ -42,6 +55,11 @@ impl TractRow {
     pub const fn varied(self, variety: f32) -> Self {
         Self { variety, ..self }
     }
+
+    /// The same on one part of the wing.
+    pub const fn of(self, limb: Limb) -> Self {
+        Self { limb, ..self }
+    }
 }
 
 /// A row of a table of tracts, in the order of [`TractRow`]'s fields.
@@ -61,6 +79,7 @@ pub const fn row(
     TractRow {
         name,
         on,
+        limb: Limb::Whole,
         feather,
         count,
         rows,

@@ -1,7 +1,7 @@
 //! The scarlet macaw as numbers: millimetres, degrees, sRGB.
 
 use super::bird::{Arcs, Species, WingPose};
-use super::coat::{self, RowLook, TailCoverts, TractRow, look, row};
+use super::coat::{self, Limb, RowLook, TailCoverts, TractRow, look, row};
 use super::coat::{CONTOUR, HEAD, LESSER, TRUNK};
 use super::face::{BareFace, Bill, EyeRim, FaceLines, Naked, Patch};
 use super::motion::{Flick, Grip, Jaw, Motion};
@@ -321,7 +321,8 @@ const TRACTS: &[TractRow] = &[
     row("filler", TRUNK, "semiplume", 200, 0, (14., 22.), (14., 18.), (2., 2.), (0., 0.), (0., 0., LESSER), (0xB0584C, 0xB0584C)),
     row("lesser_upper", &[LesserUpper], "lesser", 320, 0, (17., 13.), (12., 12.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0xC8361D, 0xC8361D)),
     row("elbow", &[Elbow], "lesser", 60, 0, (15., 19.), (12., 15.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0xEDB414, 0xF2BC14)),
-    row("marginal_upper", &[MarginalUpper], "lesser", 700, 0, (8., 14.), (6., 9.), (4., 4.), (0.05, 16.), (0.3, 1100., HEAD), (0xC8361D, 0xC8361D)),
+    row("marginal_upper", &[MarginalUpper], "lesser", 600, 0, (8., 14.), (6., 9.), (4., 4.), (0.05, 16.), (0.3, 1100., HEAD), (0xC8361D, 0xC8361D)).of(Limb::Arm),
+    row("marginal_hand", &[MarginalUpper], "primary_covert", 100, 0, (10., 16.), (8., 11.), (4., 4.), (0.05, 16.), (0.3, 1100., HEAD), (0x2450AE, 0x2450AE)).of(Limb::Hand),
     row("lesser_under", &[LesserUnder], "lesser", 340, 7, (14., 28.), (11., 16.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0xB03020, 0xB03020)),
     row("marginal_under", &[MarginalUnder], "lesser", 466, 0, (6., 11.), (5., 8.), (3., 3.), (0.08, 6.), (0.3, 1100., HEAD), (0xB03020, 0xB03020)),
     row("femoral", &[Femoral], "leg", 230, 0, (26., 34.), (14., 19.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0xC0301B, 0xC0301B)),
@@ -339,7 +340,7 @@ const ROWS: &[RowLook] = &[
     look("greater_coverts", "greater", 12, (98., 76.), (30., 36.), (3.5, 0.06, 10.), (6, 2), (0xF2BC14, 0xF2BC14)),
     look("median_primary", "primary_covert", 9, (46., 34.), (24., 20.), (6., 0.06, 12.), (4, 2), (0x2A58AA, 0x2450AE)),
     look("median_secondary", "greater", 12, (62., 48.), (24., 30.), (6., 0.06, 12.), (4, 2), (0xF5C21A, 0xF5C21A)),
-    look("lesser_1", "lesser", 14, (34., 42.), (20., 26.), (4., 0.05, 12.), (4, 2), (0xD8661C, 0xD8661C)),
+    look("lesser_1", "lesser", 14, (34., 42.), (20., 26.), (4., 0.05, 12.), (4, 2), (0xCC441C, 0xCC441C)),
     look("lesser_2", "lesser", 14, (30., 40.), (18., 25.), (4., 0.05, 12.), (4, 2), (0xC8361D, 0xC8361D)),
     look("lesser_3", "lesser", 14, (27., 38.), (17., 24.), (4., 0.05, 12.), (4, 2), (0xC8361D, 0xC8361D)),
     look("lesser_4", "lesser", 14, (24., 36.), (16., 23.), (4., 0.05, 12.), (4, 2), (0xC8361D, 0xC8361D)),

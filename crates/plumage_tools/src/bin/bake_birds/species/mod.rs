@@ -12,7 +12,7 @@ mod tract;
 use bevy::color::Srgba;
 
 pub use bird::{SHOULDER, Species, WingPose};
-pub use coat::RowLook;
+pub use coat::{Limb, RowLook, TractRow};
 pub use face::{BareFace, Bill, EyeRim, FaceLines, Ledge, Naked, Slice};
 pub use tract::Tract;
 
