@@ -71,12 +71,11 @@ fn select(row: &TractRow) -> Select {
         [one] => Select::Tract(*one as u32),
         many => Select::Any(many.iter().map(|t| Select::Tract(*t as u32)).collect()),
     };
-    let hand = ["hand_L", "digit_L", "hand_R", "digit_R"].map(String::from);
-    let hand = Select::Joints(hand.into());
+    let digit = Select::Joints(["digit_L", "digit_R"].map(String::from).into());
     match row.limb {
         Limb::Whole => tracts,
-        Limb::Arm => Select::Every(vec![tracts, Select::Not(vec![hand])]),
-        Limb::Hand => Select::Every(vec![tracts, hand]),
+        Limb::Arm => Select::Every(vec![tracts, Select::Not(vec![digit])]),
+        Limb::Digit => Select::Every(vec![tracts, digit]),
     }
 }
 

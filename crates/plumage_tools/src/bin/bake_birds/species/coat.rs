@@ -7,10 +7,10 @@ use super::tract::Tract::{self, *};
 pub enum Limb {
     /// No cut.
     Whole,
-    /// What hand and digit do not carry.
+    /// What the digit does not carry: arm, wrist and palm.
     Arm,
-    /// What hand and digit carry.
-    Hand,
+    /// What the digit carries: the outer hand.
+    Digit,
 }
 
 /// One scattered tract. Spans run over phi, cranial to caudal.

@@ -313,7 +313,7 @@ const TRACTS: &[TractRow] = &[
     row("scapulars", &[ScapularMantle], "contour", 90, 5, (48., 86.), (24., 30.), (9., 7.), (0.05, 8.), (0.25, 1200., (5, 2)), (0xC8361D, 0xC4361C)),
     row("shoulder", &[Shoulder], "contour", 180, 0, (20., 26.), (14., 17.), (4., 3.), (0.06, 14.), (0.25, 0.6, CONTOUR), (0xC8361D, 0xC6351C)),
     row("shoulder_side", &[Shoulder], "contour", 60, 0, (14., 18.), (12., 16.), (1., 1.), (0.06, 8.), (0., 0.5, LESSER), (0xC6341C, 0xC6341C)),
-    row("breast", &[Breast], "contour", 135, 12, (30., 42.), (20., 25.), (10., 6.), (0.05, 18.), (0.25, 1500., CONTOUR), (0xCC361D, 0xCC361D)).varied(0.04),
+    row("breast", &[Breast], "contour", 135, 12, (30., 42.), (20., 25.), (10., 6.), (0.05, 18.), (0.25, 1500., CONTOUR), (0xCC361D, 0xCC361D)).varied(0.065),
     row("belly", &[Belly], "soft", 92, 0, (32., 46.), (20., 26.), (7., 5.), (0.05, 22.), (0.05, 660., CONTOUR), (0xC0301B, 0xC0301B)),
     row("flanks", &[Flank], "soft", 208, 0, (32., 40.), (18., 24.), (4., 6.), (0.05, 12.), (0.05, 640., CONTOUR), (0xC0301B, 0xC0301B)),
     row("side", &[Side], "contour", 165, 0, (28., 34.), (16., 20.), (2., 2.), (0.06, 12.), (0., 620., CONTOUR), (0xC6341C, 0xC0301B)),
@@ -322,11 +322,11 @@ const TRACTS: &[TractRow] = &[
     row("lesser_upper", &[LesserUpper], "lesser", 320, 0, (17., 13.), (12., 12.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0xC8361D, 0xC8361D)),
     row("elbow", &[Elbow], "lesser", 60, 0, (15., 19.), (12., 15.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0xEDB414, 0xF2BC14)),
     row("marginal_upper", &[MarginalUpper], "lesser", 580, 0, (8., 14.), (6., 9.), (4., 4.), (0.05, 16.), (0.3, 1100., HEAD), (0xC8361D, 0xC8361D)).of(Limb::Arm),
-    row("marginal_hand", &[MarginalUpper], "primary_covert", 64, 0, (10., 16.), (8., 11.), (1., 1.), (0.05, 10.), (0.3, 1100., HEAD), (0x2450AE, 0x2450AE)).of(Limb::Hand),
+    row("marginal_hand", &[MarginalUpper], "primary_covert", 28, 0, (10., 16.), (8., 11.), (1., 1.), (0.05, 10.), (0.3, 1100., HEAD), (0x2450AE, 0x2450AE)).of(Limb::Digit),
     row("lesser_under", &[LesserUnder], "lesser", 340, 7, (14., 28.), (11., 16.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0xB03020, 0xB03020)),
     row("marginal_under", &[MarginalUnder], "lesser", 522, 0, (6., 11.), (5., 8.), (3., 3.), (0.08, 6.), (0.3, 1100., HEAD), (0xB03020, 0xB03020)),
     row("femoral", &[Femoral], "leg", 230, 0, (26., 34.), (14., 19.), (6., 5.), (0.10, 22.), (0.05, 600., CONTOUR), (0xC0301B, 0xC0301B)),
-    row("crural", &[Crural], "leg", 550, 0, (26., 15.), (13., 9.), (7., 6.), (0.08, 18.), (0.05, 500., LESSER), (0xC0301B, 0xB02C1C)),
+    row("crural", &[Crural], "leg", 586, 0, (26., 15.), (13., 9.), (7., 6.), (0.08, 18.), (0.05, 500., LESSER), (0xC0301B, 0xB02C1C)),
 ];
 
 /// Rows.
