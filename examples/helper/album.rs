@@ -10,8 +10,8 @@ use super::{
 use bevy::prelude::*;
 use std::{path::Path, time::Instant};
 
-/// Most frames of a mask, where the picture has as many: with four samples each, enough for tips that cover a fiftieth of a pixel.
-const MASK_FRAMES: u32 = 16;
+/// Most frames of a mask: with four samples each, one alone is less than a hundredth of a pixel, from which on a pixel counts.
+const MASK_FRAMES: u32 = 32;
 
 /// Takes every picture that is asked for, then the masks.
 pub fn run(app: &mut App, image: &Handle<Image>, name: &str, args: &Args) -> Result<(), String> {
@@ -43,7 +43,10 @@ pub fn run(app: &mut App, image: &Handle<Image>, name: &str, args: &Args) -> Res
     for (shot, file) in &args.shot {
         let pixel = aim(app, *shot, args);
         headless::frame(app);
-        let frames = args.accumulate.map(|count| count.min(MASK_FRAMES));
+        // Twice those of the picture: a mask casts no shadows, and is judged pixel by pixel.
+        let frames = args
+            .accumulate
+            .map(|count| count.saturating_mul(2).min(MASK_FRAMES));
         let mask = headless::develop(app, image, name, args, frames)?;
         let path = named(folder, file, "png");
         mask.save(&path).map_err(|error| told(&path, error))?;

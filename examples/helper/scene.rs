@@ -263,9 +263,13 @@ fn start_idle(
 const THING: f32 = 0.05;
 
 /// Makes the scene a mask: feathers show a color for each card, bill, eyes, feet and bare skin are blue, what birds sit on and what may
-/// hide them is dark blue, the rest is black.
+/// hide them is dark blue, the rest is black. No light casts shadows: nothing shows them.
 pub fn mask(app: &mut App) {
     let world = app.world_mut();
+    let mut suns = world.query::<&mut DirectionalLight>();
+    for mut sun in suns.iter_mut(world) {
+        sun.shadow_maps_enabled = false;
+    }
     let mut qualities = world.query::<&mut FeatherQuality>();
     for mut quality in qualities.iter_mut(world) {
         quality.settings.debug_view = DebugView::Card;
