@@ -43,10 +43,10 @@ pub fn run(app: &mut App, image: &Handle<Image>, name: &str, args: &Args) -> Res
     for (shot, file) in &args.shot {
         let pixel = aim(app, *shot, args);
         headless::frame(app);
-        // Twice those of the picture: a mask casts no shadows, and is judged pixel by pixel.
+        // Four times those of the picture: a mask is cheaper, and is judged pixel by pixel.
         let frames = args
             .accumulate
-            .map(|count| count.saturating_mul(2).min(MASK_FRAMES));
+            .map(|count| count.saturating_mul(4).min(MASK_FRAMES));
         let mask = headless::develop(app, image, name, args, frames)?;
         let path = named(folder, file, "png");
         mask.save(&path).map_err(|error| told(&path, error))?;

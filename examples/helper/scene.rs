@@ -10,7 +10,7 @@ use super::{
     surroundings::grow,
 };
 use bevy::{
-    core_pipeline::tonemapping::Tonemapping,
+    core_pipeline::{prepass::DepthPrepass, tonemapping::Tonemapping},
     gltf::GltfAssetLabel,
     light::{CascadeShadowConfig, CascadeShadowConfigBuilder, EnvironmentMapLight, Skybox},
     prelude::*,
@@ -263,7 +263,7 @@ fn start_idle(
 const THING: f32 = 0.05;
 
 /// Makes the scene a mask: feathers show a color for each card, bill, eyes, feet and bare skin are blue, what birds sit on and what may
-/// hide them is dark blue, the rest is black. No light casts shadows: nothing shows them.
+/// hide them is dark blue, the rest is black. No light casts shadows, and no depth pass goes before: nothing shows what they decide.
 pub fn mask(app: &mut App) {
     let world = app.world_mut();
     let mut suns = world.query::<&mut DirectionalLight>();
@@ -277,7 +277,7 @@ pub fn mask(app: &mut App) {
     let mut cameras = world.query_filtered::<Entity, With<Orbit>>();
     let cameras: Vec<Entity> = cameras.iter(world).collect();
     for camera in cameras {
-        world.entity_mut(camera).remove::<Skybox>();
+        world.entity_mut(camera).remove::<(Skybox, DepthPrepass)>();
     }
     world.insert_resource(ClearColor(Color::BLACK));
     // No film: blue stays blue.

@@ -3,7 +3,7 @@
 use super::{
     lights::VERTEX_LIGHTS,
     lod,
-    lod::CARD_COUNTERS,
+    lod::{CARD_COUNTERS, LOD_BYTES},
     material,
     material::DebugView,
     pack::{CARD_VEC4S, FEATHER_STRIDE, HEADER_LENGTH, MAX_REGIONS, header, stack},
@@ -75,6 +75,7 @@ pub fn constant_layouts() -> Vec<ConstantLayout> {
             ("CARD_MIXED", Lod::Mixed as usize),
             ("CARD_LIT", 5),
             ("CARD_HIDDEN", CARD_COUNTERS.len() - 1),
+            ("LOD_WORDS", LOD_BYTES / 4),
             ("MOTION_WORN", motion::WORN),
             ("MOTION_LIGHTS", motion::LIGHTS),
             ("MOTION_REGIONS", motion::REGIONS),

@@ -213,7 +213,7 @@ pub struct FeatherMaterial {
     /// Card records, [`super::pack::CARD_VEC4S`] each.
     #[storage(2, read_only, visibility(vertex))]
     pub cards: Handle<ShaderBuffer>,
-    /// LOD class of every card, written by the LOD pass.
+    /// LOD class of every card, written by the LOD pass, then how far the wind lifts each.
     #[storage(3, read_only, visibility(vertex))]
     pub lod: Handle<ShaderBuffer>,
     /// Albedo: two layers (front, back) per feather, alpha = share of the groom's tint.

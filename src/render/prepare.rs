@@ -3,7 +3,7 @@
 use super::{
     key::{FeatherTransparency, ThinLayers},
     lights::find_lights,
-    lod::{CardPatches, GRID_BYTES, MEASURED, list_bytes, pack_patches},
+    lod::{CardPatches, GRID_BYTES, LOD_BYTES, MEASURED, list_bytes, pack_patches},
     material::{FeatherMaterial, FeatherSettings},
     pack::{TableCache, albedo_array, outline_array, pack_cards, pack_feathers, same_paint},
     stacks::StackWork,
@@ -300,7 +300,7 @@ fn prepare_materials(
             continue;
         };
         let records = pack_cards(&cards.cards);
-        let lod = vec![0u8; 4 * cards.cards.len()];
+        let lod = vec![0u8; LOD_BYTES * cards.cards.len()];
         let own_mesh = meshes.get(mesh.id());
         let patches = pack_patches(&cards.geometry, own_mesh);
         let lists = own_mesh

@@ -12,7 +12,7 @@ use bevy::{
     render::{render_resource::BufferUsages, storage::ShaderBuffer},
 };
 
-/// The air over the whole world; still by default. Cards bend in the vertex function, in every pass alike.
+/// The air over the whole world; still by default. How far it lifts a card is found once a frame, so cards bend alike in every pass.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default)]
 pub struct Wind {
@@ -183,12 +183,20 @@ pub(super) struct Motion {
 }
 
 impl Motion {
+    /// Whether the air moves.
+    fn blows(&self) -> bool {
+        self.now[0][3] + self.now[1][0] > 0.0
+    }
+
+    /// Whether cards are lifted, or were in the frame before.
+    pub(super) fn lifts(&self) -> bool {
+        self.blows() || !self.settled
+    }
+
     /// Heights of the worn pose, where neither wind nor ruffle move a feather.
     pub(super) fn still(&self) -> Option<Vec4> {
-        let (air, eddies) = (self.now[0], self.now[1]);
         let flat = |row: &[f32; 4]| row[0] == 0.0 && row[3] == 0.0;
-        let still =
-            air[3] == 0.0 && eddies[0] == 0.0 && self.now[motion::REGIONS..].iter().all(flat);
+        let still = !self.blows() && self.now[motion::REGIONS..].iter().all(flat);
         let [shares, unit] = [0, 1].map(|row| self.now[motion::WORN + row]);
         still.then(|| Vec4::from_array(shares) * unit[0])
     }

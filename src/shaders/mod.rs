@@ -21,6 +21,8 @@ pub const FEATHER: &str = "embedded://bevy_plumage/shaders/card/feather.wgsl";
 pub const FEATHER_PREPASS: &str = "embedded://bevy_plumage/shaders/card/feather_prepass.wgsl";
 /// Classification of cards.
 pub const FEATHER_LOD: &str = "embedded://bevy_plumage/shaders/card/feather_lod.wgsl";
+/// How far the wind lifts them.
+pub const FEATHER_LIFT: &str = "embedded://bevy_plumage/shaders/card/feather_lift.wgsl";
 /// The skin as a grid of depths.
 pub const FEATHER_SKIN: &str = "embedded://bevy_plumage/shaders/card/feather_skin.wgsl";
 /// Cards behind it.
@@ -103,6 +105,7 @@ impl Plugin for ShadersPlugin {
         embedded_asset!(app, "card/feather.wgsl");
         embedded_asset!(app, "card/feather_prepass.wgsl");
         embedded_asset!(app, "card/feather_lod.wgsl");
+        embedded_asset!(app, "card/feather_lift.wgsl");
         embedded_asset!(app, "card/feather_skin.wgsl");
         embedded_asset!(app, "card/feather_hide.wgsl");
         embedded_asset!(app, "card/feather_lists.wgsl");

@@ -138,6 +138,7 @@ fn variants() -> Vec<Variant> {
         all.push(("card/feather_prepass.wgsl", defs));
     }
     all.push(("card/feather_lod.wgsl", Vec::new()));
+    all.push(("card/feather_lift.wgsl", Vec::new()));
     all.push(("card/feather_hide.wgsl", Vec::new()));
     all.push(("card/feather_skin.wgsl", Vec::new()));
     all.push(("card/feather_lists.wgsl", Vec::new()));
@@ -323,6 +324,7 @@ fn every_variant_is_valid() {
         "card/feather_vertex.wgsl",
         "card/feather_prepass.wgsl",
         "card/feather_lod.wgsl",
+        "card/feather_lift.wgsl",
         "card/feather_hide.wgsl",
         "card/feather_skin.wgsl",
         "card/feather_lists.wgsl",

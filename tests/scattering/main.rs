@@ -2,6 +2,7 @@
 //! rays to explicit curves; each in Rust against quadrature or tracing, and in the shader against its twin.
 //! Figures of the README: `cargo test -p plumage_tests --test scattering -- --nocapture`.
 
+mod cost;
 mod curves_plugin;
 mod curves_rays;
 mod facets;

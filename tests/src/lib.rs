@@ -9,6 +9,7 @@ pub mod awkward;
 pub mod bare;
 pub mod birds;
 pub mod cases;
+pub mod counted;
 pub mod curves;
 pub mod feather_card;
 pub mod fibres;

@@ -1,9 +1,11 @@
 //! The LOD pass: one compute thread per card skins its root, culls it, bounds the pixel footprint over it, and writes which
 //! evaluator its fragments use (the switch of Chen et al. 2026, Sec. 5.3, decided once per card; docs/book/lod.md#classes).
 //!
-//! It runs once for every camera, right before that camera draws, so that two cameras share one buffer.
+//! It runs once for every camera, right before that camera draws, so that two cameras share one buffer. Once a frame, before all of them
+//! and all shadow maps, another one finds how far the wind lifts every card.
 
 mod hide;
+mod lift;
 mod lists;
 mod pass;
 mod skin;
@@ -13,6 +15,7 @@ pub(super) use {lists::list_params_layout, pass::params_layout, skin::skin_param
 
 pub(super) use {
     hide::{GRID_BYTES, MEASURED},
+    lift::LOD_BYTES,
     lists::{CardLists, CardOrder, ListedDraw, list_bytes, pack_patches},
 };
 
@@ -22,7 +25,9 @@ use bevy::{
     prelude::*,
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
-        mesh::allocator::MeshAllocatorSettings, render_resource::BufferUsages,
+        mesh::allocator::MeshAllocatorSettings,
+        render_resource::BufferUsages,
+        renderer::{RenderGraph, RenderGraphSystems},
         storage::ShaderBuffer,
     },
 };
@@ -76,6 +81,12 @@ impl Plugin for LodPlugin {
             .add_systems(
                 Render,
                 pass::prepare_lod_bind_groups.in_set(RenderSystems::PrepareBindGroups),
+            )
+            .add_systems(
+                RenderGraph,
+                lift::feather_lift
+                    .after(RenderGraphSystems::Begin)
+                    .before(RenderGraphSystems::Render),
             )
             .add_systems(
                 Core3d,

@@ -8,6 +8,7 @@ use super::{
     },
     CARD_COUNTERS, CardPatches,
     hide::{COUNTER_BYTES, GRID, GRID_BYTES, MEASURED, Meshes, NOTHING, VertexPlaces},
+    lift::{LiftBuffers, LiftPipeline},
     lists::{CardLists, CardOrder, ListPipelines, ListedBird},
     skin::{Skin, SkinBuffers, SkinParams, SkinPipelines, SkinQuery},
 };
@@ -23,6 +24,7 @@ use bevy::{
         Extract,
         camera::ExtractedCamera,
         diagnostic::RecordDiagnostics,
+        globals::GlobalsBuffer,
         mesh::{RenderMesh, allocator::MeshAllocator},
         render_asset::RenderAssets,
         render_resource::{
@@ -40,7 +42,7 @@ use bevy::{
 };
 
 /// Threads of a workgroup.
-const WORKGROUP: u32 = 64;
+pub const WORKGROUP: u32 = 64;
 
 /// One bird, as the pass sees it.
 pub struct LodBird {
@@ -62,6 +64,9 @@ pub struct LodBird {
     bind_group: Option<BindGroup>,
     params_offset: u32,
     hider: Option<Hider>,
+    /// What the wind needs to know of it, where the air moves.
+    blown: Option<AssetId<ShaderBuffer>>,
+    lift_group: Option<BindGroup>,
 }
 
 /// The skin of a bird, ready to be drawn into its grid.
@@ -106,6 +111,16 @@ fn grid_buffer(device: &RenderDevice, bytes: u64) -> Buffer {
     })
 }
 
+impl LodBirds {
+    /// Birds in moving air: their bind group, its offset, number of cards.
+    pub fn blown(&self) -> impl Iterator<Item = (&BindGroup, u32, u32)> {
+        self.birds.iter().filter_map(|bird| {
+            let group = bird.lift_group.as_ref()?;
+            Some((group, bird.params_offset, bird.count))
+        })
+    }
+}
+
 impl FromWorld for LodBirds {
     fn from_world(world: &mut World) -> Self {
         let device = world.resource::<RenderDevice>();
@@ -124,7 +139,7 @@ impl FromWorld for LodBirds {
 
 /// Parameters of one bird.
 #[derive(Clone, Copy, ShaderType)]
-struct LodParams {
+pub struct LodParams {
     world_from_local: Mat4,
     worn: Vec4,
     first_light: Vec4,
@@ -162,6 +177,8 @@ pub struct LodPipeline {
     clear: CachedComputePipelineId,
     hide: CachedComputePipelineId,
     skin: SkinPipelines,
+    /// Wind.
+    pub lift: LiftPipeline,
 }
 
 pub fn init_lod_pipeline(
@@ -201,6 +218,7 @@ pub fn init_lod_pipeline(
         clear: queue(FEATHER_HIDE, "clear"),
         hide: queue(FEATHER_HIDE, "hide"),
         skin: SkinPipelines::new(&asset_server, &cache),
+        lift: LiftPipeline::new(&asset_server, &cache),
         layout,
     });
 }
@@ -256,6 +274,10 @@ pub fn extract_birds(
             bind_group: None,
             params_offset: 0,
             hider: None,
+            blown: motion
+                .filter(|motion| motion.lifts())
+                .map(|_| material.motion.id()),
+            lift_group: None,
         });
     }
 }
@@ -266,7 +288,7 @@ pub fn prepare_lod_bind_groups(
     cache: Res<PipelineCache>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
     skins: Option<Res<SkinUniforms>>,
-    views: Res<ViewUniforms>,
+    (views, globals): (Res<ViewUniforms>, Res<GlobalsBuffer>),
     buffers: Res<RenderAssets<GpuShaderBuffer>>,
     meshes: Res<RenderAssets<RenderMesh>>,
     allocator: Res<MeshAllocator>,
@@ -381,6 +403,20 @@ pub fn prepare_lod_bind_groups(
                 [views.clone(), skin_params.clone()],
                 [grid, &skins.current_buffer, measured],
             ));
+        }
+        if let (Some(motion), Some(globals)) = (
+            bird.blown.and_then(|motion| buffers.get(motion)),
+            globals.buffer.binding(),
+        ) {
+            let bound = LiftBuffers {
+                params: params.clone(),
+                cards: &cards.buffer,
+                lod: &lod.buffer,
+                joints: &skins.current_buffer,
+                motion: &motion.buffer,
+                globals,
+            };
+            bird.lift_group = Some(pipeline.lift.bind(&device, &cache, bound));
         }
         // The skins' buffer swaps and grows every frame, so this group cannot be kept.
         bird.bind_group = Some(device.create_bind_group(

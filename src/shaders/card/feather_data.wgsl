@@ -66,6 +66,12 @@ fn lod_lists(bits: u32) -> vec4<bool> {
 fn card_bits(lod: u32, index: u32) -> u32 { return lod | (index << 8u); }
 fn card_index(bits: u32) -> u32 { return bits >> 8u; }
 
+// Words of a card in the buffer of classes: first come those bits of all cards, then how far the wind lifts each (feather_lift).
+const LOD_WORDS: u32 = 2u;
+// Radians, now and in the frame before.
+fn lift_bits(now: f32, before: f32) -> u32 { return pack2x16float(vec2(now, before)); }
+fn lift_of(bits: u32) -> vec2<f32> { return unpack2x16float(bits); }
+
 // Rows of the motion table before its regions: wind (2), worn poses (2), lights (2).
 const MOTION_WORN: u32 = 2u;
 const MOTION_LIGHTS: u32 = 4u;
@@ -95,6 +101,8 @@ const MAX_REGIONS: u32 = 128u;
 
 fn card_feather(bits: u32) -> u32 { return bits & 0xffffu; }
 fn card_region(bits: u32) -> u32 { return (bits >> 17u) & (MAX_REGIONS - 1u); }
+// Row of the motion table of a card's region, of so many.
+fn region_row(bits: u32, regions: f32) -> u32 { return MOTION_REGIONS + min(card_region(bits), max(u32(regions), 1u) - 1u); }
 // Largest angle between the normals of neighboring vertices, degrees, in two bits above the tint.
 fn card_turn(bits: u32) -> f32 { return 5.0 * f32(1u << (bits >> 30u)); }
 fn card_layer(bits: u32) -> f32 { return f32(bits >> 24u) / 255.0; }

@@ -37,7 +37,7 @@ const MOST_LISTS: u32 = 2u;
 var<workgroup> sums: array<vec4<u32>, THREADS>;
 
 fn card_count() -> u32 {
-    return min(params.card_count, min(arrayLength(&lod), arrayLength(&patches)));
+    return min(params.card_count, min(arrayLength(&lod) / data::LOD_WORDS, arrayLength(&patches)));
 }
 
 // Words of the lists.

@@ -49,13 +49,6 @@ fn least_facing(normal: vec3<f32>, eye: vec3<f32>) -> f32 {
     return min(abs(dot(normal, eye)), min(there.x, there.y));
 }
 
-fn card_at(index: u32) -> data::Card {
-    let at = index * data::CARD_LENGTH;
-    return data::card_decode(
-        lods::cards[at], lods::cards[at + 1u], lods::cards[at + 2u], lods::cards[at + 3u], lods::cards[at + 4u],
-    );
-}
-
 fn base_of(card: data::Card) -> u32 {
     let count = max(u32(lods::feathers[0].x), 1u);
     return data::FEATHERS_BASE + min(data::card_feather(card.feather), count - 1u) * data::FEATHER_STRIDE;
@@ -119,7 +112,7 @@ fn classify(@builtin(global_invocation_id) id: vec3<u32>) {
     if (id.x >= lods::card_count()) {
         return;
     }
-    let card = card_at(id.x);
+    let card = lods::card_at(id.x);
     let world_from_local = lods::blended(card.joints, card.weights);
     let vertex_count = lods::patches[min(id.x, arrayLength(&lods::patches) - 1u)].y;
     let level = classify_card(card, vertex_count, world_from_local);

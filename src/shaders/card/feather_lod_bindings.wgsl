@@ -53,7 +53,12 @@ const MEASURED: u32 = 2u;
 @group(0) @binding(9) var<storage, read_write> measured: array<vec4<f32>>;
 
 fn card_count() -> u32 {
-    return min(params.card_count, min(arrayLength(&lod), arrayLength(&cards) / data::CARD_LENGTH));
+    return min(params.card_count, min(arrayLength(&lod) / data::LOD_WORDS, arrayLength(&cards) / data::CARD_LENGTH));
+}
+
+fn card_at(index: u32) -> data::Card {
+    let at = index * data::CARD_LENGTH;
+    return data::card_decode(cards[at], cards[at + 1u], cards[at + 2u], cards[at + 3u], cards[at + 4u]);
 }
 
 fn feather_row(index: u32) -> vec4<f32> {

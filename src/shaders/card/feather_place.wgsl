@@ -12,8 +12,11 @@
     feather_bindings::{cards, lod, motion, settings},
     feather_data as data,
     feather_io::{CardVertex, FeatherVertex},
-    wind::{Breeze, turned_by, wind_lift, wind_velocity},
+    wind::turned_by,
 }
+
+// Cards that have a class.
+fn card_lods() -> u32 { return arrayLength(&lod) / data::LOD_WORDS; }
 
 fn motion_at(row: u32) -> vec4<f32> {
     return motion[min(row, arrayLength(&motion) - 1u)];
@@ -73,21 +76,16 @@ fn is_still(turn: Turn) -> bool {
     return all(turn.whole == vec3(0.0)) && all(turn.tip == vec3(0.0));
 }
 
-// `first`: row of the motion table, 0 now, half its length a frame ago. `free`: share of a ruffled feather's rise that is left to it.
-fn turn_of(card: data::Card, first: u32, world_from_local: mat4x4<f32>, time: f32, free: f32) -> Turn {
+// Of card `index`. `first`: row of the motion table, 0 now, half its length a frame ago. `free`: share of a ruffled feather's rise that is
+// left to it.
+fn turn_of(card: data::Card, index: u32, first: u32, free: f32) -> Turn {
     let air = motion_at(first);
     let eddies = motion_at(first + 1u);
-    let region = motion_at(first + data::MOTION_REGIONS + min(data::card_region(card.feather), max(u32(eddies.w), 1u) - 1u));
-    var lift = 0.0;
-    if (air.w + eddies.x > 0.0) {
-        let breeze = Breeze(air.xyz, air.w, eddies.x, eddies.y, eddies.z);
-        let root = (world_from_local * vec4(card.root, 1.0)).xyz;
-        let along = (world_from_local * vec4(card.along, 0.0)).xyz;
-        let stretch = max(length(along), 1e-9);
-        let normal = (world_from_local * vec4(card.normal, 0.0)).xyz;
-        let wind = wind_velocity(breeze, root, time);
-        lift = wind_lift(wind, along / stretch, normal / max(length(normal), 1e-9), stretch * card.length, region.y, region.z);
-    }
+    let region = motion_at(first + data::region_row(card.feather, eddies.w));
+    // In still air it says nothing.
+    let lifted = data::lift_of(lod[min(card_lods() + index, arrayLength(&lod) - 1u)]);
+    let blows = air.w + eddies.x > 0.0;
+    let lift = select(0.0, select(lifted.y, lifted.x, first == 0u), blows);
     let yaw = region.w * (f32(card.seed & 0xffffu) / 32767.5 - 1.0);
     let raising = cross(card.along, card.normal);
     return Turn((raising * region.x + card.normal * yaw) * free, raising * lift);
@@ -151,13 +149,12 @@ fn nearer(position: vec3<f32>, clip: vec4<f32>, eye: vec3<f32>, reach: f32) -> v
 }
 #endif
 
-// `time` and `step`: seconds now and since the frame before.
-fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
+fn place(vertex: CardVertex) -> FeatherVertex {
     var out: FeatherVertex;
     let index = card_at(vertex);
     let at = index * data::CARD_LENGTH;
     let card = data::card_decode(cards[at], cards[at + 1u], cards[at + 2u], cards[at + 3u], cards[at + 4u]);
-    let level = lod[min(index, arrayLength(&lod) - 1u)];
+    let level = lod[min(index, card_lods() - 1u)];
     out.card = vec4(card.feather, card.tint, card.seed, data::card_bits(level, index));
     out.uv = vertex.uv;
     out.instance_index = vertex.instance_index;
@@ -167,7 +164,7 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
         return out;
     }
     let world_from_local = world_from_card(vertex);
-    let turn = turn_of(card, 0u, world_from_local, time, free(vertex, 0u));
+    let turn = turn_of(card, index, 0u, free(vertex, 0u));
     let tangent_turn = turn.whole + turn.tip * vertex.uv.y;
     out.world_position = world_from_local * vec4(bent(raised(vertex, 0u), card.root, turn, vertex.uv.y), 1.0);
     out.position = position_world_to_clip(out.world_position.xyz);
@@ -200,7 +197,7 @@ fn place(vertex: CardVertex, time: f32, step: f32) -> FeatherVertex {
 #ifdef MOTION_VECTOR_PREPASS
     let before = previous_world_from_card(vertex);
     let first = arrayLength(&motion) / 2u;
-    let turn_before = turn_of(card, first, before, time - step, free(vertex, first));
+    let turn_before = turn_of(card, index, first, free(vertex, first));
     out.previous_world_position = before * vec4(bent(raised(vertex, first), card.root, turn_before, vertex.uv.y), 1.0);
 #endif
 #ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION

@@ -1,7 +1,6 @@
 // Depth, normal and motion prepass of cameras, and shadow maps. In a prepass the silhouette is that of the color pass; a shadow
 // map takes the mean coverage at the light's angle, made holes by a fixed pattern. Both entry points are in one file, because a
 // pipeline that Bevy makes without fragment stage gets this one (FeatherMaterial::specialize).
-#import bevy_render::globals::Globals
 #ifdef MOTION_VECTOR_PREPASS
 #import bevy_pbr::mesh_view_bindings::view
 #import bevy_pbr::prepass_bindings::previous_view_uniforms
@@ -21,11 +20,9 @@
 #import bevy_plumage::feather_opacity::sample_bits
 #endif
 
-@group(0) @binding(1) var<uniform> globals: Globals;
-
 @vertex
 fn vertex(vertex: CardVertex) -> FeatherVertex {
-    return place(vertex, globals.time, globals.delta_time);
+    return place(vertex);
 }
 
 #ifdef FEATHER_PREPASS_OUTPUT

@@ -1,5 +1,4 @@
 // Vertex function of the color pass; depth and shadow passes call the same `place`.
-#import bevy_pbr::mesh_view_bindings::globals
 #import bevy_plumage::feather_io::{CardVertex, FeatherVertex}
 #import bevy_plumage::feather_place::place
 #ifdef LIT_VERTICES
@@ -8,7 +7,7 @@
 
 @vertex
 fn vertex(vertex: CardVertex) -> FeatherVertex {
-    let placed = place(vertex, globals.time, globals.delta_time);
+    let placed = place(vertex);
 #ifdef LIT_VERTICES
     return light_vertex(placed);
 #else

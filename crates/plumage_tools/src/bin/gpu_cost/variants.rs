@@ -297,6 +297,11 @@ pub fn all() -> Vec<Pipeline> {
         "card/feather_lod.wgsl",
         "classify",
     ));
+    found.push(compute(
+        "lift by the wind",
+        "card/feather_lift.wgsl",
+        "lift",
+    ));
     let extrude = "undercoat/undercoat_extrude.wgsl";
     found.push(compute("extrusion of the coat", extrude, "extrude"));
     found.extend(standard());
