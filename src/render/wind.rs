@@ -176,6 +176,8 @@ fn bytes(now: &[[f32; 4]], before: &[[f32; 4]]) -> Vec<u8> {
 pub(super) struct Motion {
     buffer: AssetId<ShaderBuffer>,
     now: Vec<[f32; 4]>,
+    /// Whether the air moved in the frame before.
+    blew: bool,
     /// Whether the bird had a [`Ruffle`].
     ruffled: bool,
     /// Whether the frame before was like this one.
@@ -190,7 +192,7 @@ impl Motion {
 
     /// Whether cards are lifted, or were in the frame before.
     pub(super) fn lifts(&self) -> bool {
-        self.blows() || !self.settled
+        self.blows() || self.blew
     }
 
     /// Heights of the worn pose, where neither wind nor ruffle move a feather.
@@ -254,6 +256,7 @@ pub(super) fn move_feathers(
         match known {
             Some(mut motion) => {
                 motion.settled = motion.now == now;
+                motion.blew = motion.blows();
                 motion.now = now;
                 motion.ruffled = ruffled;
             }
@@ -261,6 +264,7 @@ pub(super) fn move_feathers(
                 commands.entity(entity).insert(Motion {
                     buffer,
                     now,
+                    blew: false,
                     ruffled,
                     settled: true,
                 });
