@@ -13,6 +13,7 @@ mod outline;
 mod pattern;
 mod plugin;
 mod rachis;
+mod strip;
 mod table1;
 mod v1;
 mod weather;

@@ -9,12 +9,14 @@ use super::{
     card::{Card, CardGeometry},
     component::CardRegion,
     error::{GroomError, MaskFlaw},
+    fit::fit_cards,
     layer::Crossings,
     mask_textures::SkinTexture,
     rows::FanJoint,
     skin::{SkinMesh, SurfacePoint},
     worn::WornPoses,
 };
+use crate::anatomy::Feather;
 use bevy::{
     asset::{AssetId, Assets, Handle},
     ecs::prelude::*,
@@ -57,6 +59,8 @@ pub(super) struct CoatInput {
     pub authored: Authored,
     /// Where each joint is in bind pose, model space.
     pub pivots: Vec<Vec3>,
+    /// The feathers of the groom.
+    pub feathers: Vec<Feather>,
 }
 
 /// A coat as equal birds share it.
@@ -165,6 +169,8 @@ impl Coats {
                 input.authored.dress(&mut groom, &mut notes);
                 let mut coat = groom_bird(&bird, &groom, of.seed, f32::from_bits(of.density))?;
                 coat.warnings.extend(notes);
+                let feathers: Vec<_> = input.feathers.iter().map(Some).collect();
+                fit_cards(&mut coat.mesh, &coat.cards, &coat.geometry, &feathers);
                 Ok(Groomed {
                     coat,
                     skin: bird.skin,

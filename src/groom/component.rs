@@ -185,7 +185,7 @@ impl CardRegion {
 #[derive(Component, Clone, Debug)]
 #[non_exhaustive]
 pub struct PlumageCards {
-    /// One record per card; `UV_1.x` of the mesh is the index.
+    /// One record per card; `UV_1.x` of the mesh, rounded, is the index ([`fit_cards`](super::fit_cards) marks edges in its fraction).
     pub cards: Arc<[Card]>,
     /// Where each card's vertices are.
     pub geometry: Arc<[CardGeometry]>,

@@ -3,7 +3,7 @@
 //! The way from a groom to cards, each step a module: the skin is taken from the bird's meshes ([`skin`]) and divided into
 //! regions ([`select`]); guides give it a lay ([`lay`]); follicles are placed ([`scatter`], [`lattice`]); each feather's shaft is
 //! draped over the skin ([`drape`]), put in order ([`order`]) and settled among its neighbors ([`layer`], [`settle`]) in each pose that the bird wears ([`WornPoses`]); rows of
-//! flight feathers get joints of their own ([`rows`], moved by [`fan`]); all become one mesh ([`mesh`]). [`groom_bird`] runs these without an app;
+//! flight feathers get joints of their own ([`rows`], moved by [`fan`]); all become one mesh ([`mesh`]), and each card is made as wide as its feather ([`fit_cards`]). [`groom_bird`] runs these without an app;
 //! [`GroomPlugin`] runs it for every entity with a [`Plumage`], off the main thread.
 //!
 //! What decides where a feather grows and how it lies lives here. It may use `anatomy` and `maths`; it may not know materials,
@@ -26,6 +26,7 @@ mod facets;
 mod fallback;
 pub mod fan;
 mod field;
+mod fit;
 pub mod grid;
 mod job;
 pub mod lattice;
@@ -69,6 +70,7 @@ pub use component::{
 };
 pub use error::{GroomError, MaskFlaw, SkinFlaw};
 pub use fan::{FanJoints, fan_rows, fan_transform};
+pub use fit::{EDGE_MARK, fit_cards};
 pub use layer::Crossings;
 pub use leaf::Leaf;
 pub use mask_textures::{Channel, MaskTexture, MaskValues, PlumageMasks, SkinTexture};

@@ -9,6 +9,7 @@ use super::{
         PlumageParts, PlumageReady, PlumageState, PlumageSystems, SkinColors,
     },
     fan::{FanJoints, fan_rows},
+    fit::follow_outlines,
     job::GroomJob,
     mask_images::{MaskImages, MaskSource, follow_masks},
     mask_textures::PlumageMasks,
@@ -70,6 +71,7 @@ impl Plugin for GroomPlugin {
                     follow_masks.run_if(resource_exists::<Messages<AssetEvent<Image>>>),
                     start,
                     finish,
+                    follow_outlines,
                     drop_unused,
                 )
                     .chain()
@@ -187,9 +189,10 @@ fn start(
             fail(&mut state, &mut commands, owner, cause);
             continue;
         }
-        if list.iter().any(|feather| feathers.get(feather).is_none()) {
+        let list = list.iter().map(|feather| feathers.get(feather).cloned());
+        let Some(list) = list.collect::<Option<Vec<_>>>() else {
             continue;
-        }
+        };
         let own = job
             .masks
             .get_or_insert_with(|| textures.load(owner, plumage, groom));
@@ -222,6 +225,7 @@ fn start(
             textures: textures.copies(&own),
             authored,
             pivots: target.pivots().collect(),
+            feathers: list,
         });
         let images = own.into_iter().map(|(image, _)| image).collect();
         commands.entity(owner).insert(MaskImages(images));

@@ -35,7 +35,7 @@ pub const RAISED_MOST: i16 = 1023;
 pub fn raised_pack(heights: [f32; 4], windows: [f32; 6], held: f32) -> [u16; 4] {
     let steps = windows.map(|window| {
         let share = (window / WINDOW_MOST).clamp(0.0, 1.0);
-        (f32::from(WINDOW_STEPS) * share.sqrt()).ceil() as u16
+        (f32::from(WINDOW_STEPS) * share.sqrt() - 1.0e-4).ceil() as u16
     });
     let held = (held.clamp(0.0, 1.0) * f32::from(HELD_STEPS)).round() as u16;
     std::array::from_fn(|k| {
@@ -69,6 +69,24 @@ fn window_steps(words: [u16; 4]) -> [u16; 6] {
 fn window_of<T: Real>(steps: u16) -> T {
     let share = real::<T>(f64::from(steps)) / real(f64::from(WINDOW_STEPS));
     real::<T>(f64::from(WINDOW_MOST)) * share * share
+}
+
+/// What a vertex keeps between two others of a card, `share` of the way from the one to the other, or beyond it.
+pub fn raised_between(from: [u16; 4], to: [u16; 4], share: f32) -> [u16; 4] {
+    let between = |from: f32, to: f32| from + (to - from) * share;
+    let (low, high) = (raised_heights::<f32>(from), raised_heights(to));
+    let steps = (window_steps(from), window_steps(to));
+    // To the nearest step: a window that were widened with every move would not stay.
+    let window = |k: usize| {
+        let window = between(window_of(steps.0[k]), window_of(steps.1[k]));
+        let step = (window / WINDOW_MOST).clamp(0.0, 1.0).sqrt() * f32::from(WINDOW_STEPS);
+        window_of::<f32>(step.round() as u16)
+    };
+    raised_pack(
+        std::array::from_fn(|k| between(low[k], high[k])),
+        std::array::from_fn(window),
+        raised_held(to, [0.0; 4]),
+    )
 }
 
 /// The window of [`raised_pack`], widths of a feather. `shares`: what the bird wears of the poses after the first; `between`: how far it

@@ -6,6 +6,7 @@ mod authored;
 mod birds;
 mod blender;
 mod coat;
+mod fit;
 mod mask_textures;
 mod order;
 mod paint;

@@ -332,3 +332,52 @@ fn equal_birds_share_one_coat() {
         !world.resource::<Assets<Mesh>>().contains(id)
     });
 }
+
+#[test]
+fn an_edited_outline_gets_the_card_that_it_needs() {
+    use bevy_plumage::anatomy::Feather;
+    let mut app = app();
+    let (bird, _) = spawn(&mut app, groom());
+    wait(&mut app, "the plumage", |world| {
+        state(world, bird).is_ready()
+    });
+    let cards = app.world().get::<PlumageParts>(bird).expect("a card mesh")[0];
+    let mesh = app.world().get::<Mesh3d>(cards).expect("a mesh").id();
+    let feather = app.world().get::<PlumageCards>(cards).unwrap().feathers[0].clone();
+    // Mean distance of the vertices from the middle of their card, widths.
+    let wide = |app: &App| {
+        let mesh = app.world().resource::<Assets<Mesh>>().get(mesh).unwrap();
+        let Some(bevy::mesh::VertexAttributeValues::Float32x2(uvs)) =
+            mesh.attribute(Mesh::ATTRIBUTE_UV_0)
+        else {
+            panic!("no coordinates")
+        };
+        uvs.iter().map(|uv| (uv[0] - 0.5).abs()).sum::<f32>() / uvs.len() as f32
+    };
+    let edit = |app: &mut App, edit: &dyn Fn(&mut Feather)| {
+        let mut feathers = app.world_mut().resource_mut::<Assets<Feather>>();
+        let mut feather = feathers.get_mut(&feather).expect("the feather");
+        edit(&mut feather);
+        drop(feather);
+        app.update();
+        app.update();
+    };
+    let fitted = wide(&app);
+    edit(&mut app, &|feather| feather.contour.start = 0.0);
+    edit(&mut app, &|feather| {
+        let vane = &mut feather.contour;
+        for reach in vane.left.iter_mut().chain(&mut vane.right) {
+            *reach = 1.0;
+        }
+    });
+    let whole = wide(&app);
+    assert!(whole > 1.15 * fitted, "{whole} after {fitted}");
+    edit(&mut app, &|feather| {
+        let vane = &mut feather.contour;
+        for reach in vane.left.iter_mut().chain(&mut vane.right) {
+            *reach = 0.05;
+        }
+    });
+    let narrow = wide(&app);
+    assert!(narrow < 0.8 * fitted, "{narrow} after {fitted}");
+}

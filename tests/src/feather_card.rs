@@ -71,7 +71,7 @@ pub fn spawn_filling(stage: &mut Stage, file: &'static str) -> Entity {
             [card],
             [CardGeometry {
                 first_vertex: 0,
-                vertex_count: 4,
+                vertex_count: VERTICES as u32,
             }],
             vec![handle],
         ),
@@ -80,22 +80,41 @@ pub fn spawn_filling(stage: &mut Stage, file: &'static str) -> Entity {
     owner
 }
 
+/// Segments of the card across and along.
+const SEGMENTS: (usize, usize) = (2, 4);
+/// Vertices of the card.
+const VERTICES: usize = (SEGMENTS.0 + 1) * (SEGMENTS.1 + 1);
+
 fn card_mesh(length: f32, width: f32) -> Mesh {
-    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-    let positions: Vec<[f32; 3]> = corners
+    let (across, along) = SEGMENTS;
+    let wide = across + 1;
+    let uvs: Vec<[f32; 2]> = (0..VERTICES)
+        .map(|i| {
+            [
+                (i % wide) as f32 / across as f32,
+                (i / wide) as f32 / along as f32,
+            ]
+        })
+        .collect();
+    let positions: Vec<[f32; 3]> = uvs
         .iter()
         .map(|[u, v]| [(u - 0.5) * width, v * length, 0.0])
         .collect();
+    let quads = (0..along).flat_map(|row| (0..across).map(move |column| row * wide + column));
+    let indices = quads.flat_map(|a| [a, a + 1, a + wide + 1, a, a + wide + 1, a + wide]);
     Mesh::new(
         PrimitiveTopology::TriangleList,
         RenderAssetUsages::default(),
     )
     .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; 4])
-    .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[0.0, 1.0, 0.0, -1.0]; 4])
-    .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, corners.to_vec())
-    .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, vec![[0.0, 0.0]; 4])
-    .with_inserted_indices(Indices::U32(vec![0, 1, 2, 0, 2, 3]))
+    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; VERTICES])
+    .with_inserted_attribute(
+        Mesh::ATTRIBUTE_TANGENT,
+        vec![[0.0, 1.0, 0.0, -1.0]; VERTICES],
+    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
+    .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, vec![[0.0, 0.0]; VERTICES])
+    .with_inserted_indices(Indices::U32(indices.map(|i| i as u32).collect()))
 }
 
 /// Share of a picture that is not black.

@@ -11,6 +11,7 @@ mod debug;
 mod edit_cost;
 mod environment;
 mod far;
+mod fit;
 mod golden;
 mod hidden;
 mod life_cycle;

@@ -94,7 +94,7 @@ fn places(cards: usize, mesh: &Mesh) -> Option<Vec<[u32; 2]>> {
     let indices = mesh.indices()?;
     let mut found: Vec<[u32; 2]> = Vec::new();
     for (at, vertex) in indices.iter().enumerate().step_by(3) {
-        let card = ids.get(vertex)?[0] as u32;
+        let card = ids.get(vertex)?[0].round() as u32;
         if found.last().is_none_or(|[last, _]| *last != card) {
             found.push([card, at as u32]);
         }

@@ -41,6 +41,12 @@ fn frame_of(in: FeatherVertex) -> Frame {
     return frame;
 }
 
+// Share of the fragment that lies on its card.
+fn own_share(in: FeatherVertex) -> f32 {
+    let place = vec2(in.world_normal.w, in.uv.y);
+    return card_share(place, dpdx(place), dpdy(place));
+}
+
 // Coverage of the footprint by rachis, barbs, distal and proximal barbules, the vane that has most of it, `hook` and `open` of that vane
 // (VaneCover), and the footprint.
 struct Covered {
@@ -274,6 +280,6 @@ fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u3
         covered = cover_parts(in.uv, base, shape, frame, level, seen, edges, mapped);
     }
 #endif
-    covered.weights = on_card(covered.weights, card_share(in.uv, dx, dy));
+    covered.weights = on_card(covered.weights, own_share(in));
     return covered;
 }

@@ -8,7 +8,7 @@ struct CardVertex {
     @location(0) position: vec3<f32>,
     @location(1) normal: vec3<f32>,
     @location(2) uv: vec2<f32>,
-    // x: card.
+    // x: card, less at its left edge and more at its right one (EDGE_MARK).
     @location(3) uv_b: vec2<f32>,
     @location(4) tangent: vec4<f32>,
 #ifdef SKINNED
@@ -25,7 +25,8 @@ struct FeatherVertex {
     // Depth prepass and color pass must agree to the last bit.
     @invariant @builtin(position) position: vec4<f32>,
     @location(0) world_position: vec4<f32>,
-    @location(1) world_normal: vec3<f32>,
+    // w: share of the way from the card's left edge to its right one.
+    @location(1) world_normal: vec4<f32>,
     @location(2) uv: vec2<f32>,
     // Direction of the rachis; w: sign of the bitangent.
     @location(3) world_tangent: vec4<f32>,

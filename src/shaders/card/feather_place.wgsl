@@ -26,6 +26,15 @@ fn card_at(vertex: CardVertex) -> u32 {
     return min(u32(max(vertex.uv_b.x, 0.0) + 0.5), arrayLength(&cards) / data::CARD_LENGTH - 1u);
 }
 
+// Half of what marks the edges of cards.
+const LEAST_MARK: f32 = 0.125;
+
+// Share of the way from the left edge of a card to the right one; cards without marks fill their rectangle.
+fn across_card(vertex: CardVertex) -> f32 {
+    let mark = vertex.uv_b.x - floor(vertex.uv_b.x + 0.5);
+    return select(vertex.uv.x, select(0.0, 1.0, mark > 0.0), abs(mark) > LEAST_MARK);
+}
+
 fn world_from_card(vertex: CardVertex) -> mat4x4<f32> {
 #ifdef SKINNED
     return skinning::skin_model(vertex.joint_indices, vertex.joint_weights, vertex.instance_index);
@@ -171,10 +180,11 @@ fn place(vertex: CardVertex) -> FeatherVertex {
     let normal = turned_by(vertex.normal, tangent_turn);
     let tangent = vec4(turned_by(vertex.tangent.xyz, tangent_turn), vertex.tangent.w);
 #ifdef SKINNED
-    out.world_normal = skinning::skin_normals(world_from_local, normal);
+    let world_normal = skinning::skin_normals(world_from_local, normal);
 #else
-    out.world_normal = mesh_functions::mesh_normal_local_to_world(normal, vertex.instance_index);
+    let world_normal = mesh_functions::mesh_normal_local_to_world(normal, vertex.instance_index);
 #endif
+    out.world_normal = vec4(world_normal, across_card(vertex));
     out.world_tangent = mesh_functions::mesh_tangent_local_to_world(world_from_local, tangent, vertex.instance_index);
 #ifdef ORDER_WINDOW
     let eye = to_eye(out.world_position.xyz);
@@ -186,7 +196,7 @@ fn place(vertex: CardVertex) -> FeatherVertex {
     let needed = UNSETTLED_WINDOW;
 #endif
     let window = min(settings.order_window, stirred_window(needed, length(turn.whole + turn.tip)));
-    let reach = order_reach(min(window * width, farthest), dot(normalize(out.world_normal), eye), vertex.uv.y);
+    let reach = order_reach(min(window * width, farthest), dot(normalize(world_normal), eye), vertex.uv.y);
     out.position = nearer(out.world_position.xyz, out.position, eye, reach);
 #endif
 #ifdef VISIBILITY_RANGE_DITHER

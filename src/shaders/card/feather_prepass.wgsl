@@ -6,9 +6,9 @@
 #import bevy_pbr::prepass_bindings::previous_view_uniforms
 #endif
 #import bevy_plumage::{
-    anatomy::{barb_cotangent, barb_root, barbule_factor, canonical_footprint, card_share, contour_coverage, hooked, vane_start_coverage},
+    anatomy::{barb_cotangent, barb_root, barbule_factor, canonical_footprint, contour_coverage, hooked, vane_start_coverage},
     feather_bindings::{contour_at, feather_at, feather_base, rachis_at, shape_at},
-    feather_cover::{cover, frame_of},
+    feather_cover::{cover, frame_of, own_share},
     feather_data as data,
     feather_io::{CardVertex, FeatherVertex, class_of},
     feather_opacity::{is_left_out, leaves_hole, moved_by},
@@ -48,6 +48,7 @@ fn shadow_opacity(in: FeatherVertex, base: u32, shape: vec4<f32>) -> f32 {
     let dx = dpdx(in.uv);
     let dy = dpdy(in.uv);
     let footprint = canonical_footprint(in.uv, dx, dy, rachis.x, rachis.y, shape.x);
+    let own = own_share(in);
     if (abs(footprint.mean.x) < rachis.z) {
         return 1.0;
     }
@@ -63,7 +64,7 @@ fn shadow_opacity(in: FeatherVertex, base: u32, shape: vec4<f32>) -> f32 {
     vane.vane.hooked = barbule_factor(hooked(abs(footprint.mean.x), footprint.mean.y, reach.x, last.y, last.z));
     // Of the part on the card: the rasterizer leaves out the rest.
     let inside = contour_coverage(footprint, reach.x, reach.y, cotangent) * vane_start_coverage(footprint, shape.z, cotangent);
-    return min(inside / card_share(in.uv, dx, dy), 1.0) * vane_stop(vane, storeys(vane, light));
+    return min(inside / own, 1.0) * vane_stop(vane, storeys(vane, light));
 }
 
 // Whether the fragment is no part of the silhouette; its samples otherwise.
@@ -103,7 +104,7 @@ fn fragment(in: FeatherVertex) -> Output {
     if (found.hole) { discard; }
     var out: Output;
 #ifdef NORMAL_PREPASS
-    let normal = normalize(in.world_normal);
+    let normal = normalize(in.world_normal.xyz);
     let facing = dot(normal, frame_of(in).eye) >= 0.0;
     out.normal = vec4(select(-normal, normal, facing) * 0.5 + 0.5, 1.0);
 #endif

@@ -24,8 +24,8 @@ const VERTEX_LIGHTS: u32 = 2u;
 const LEAST_PAINT: f32 = 0.15;
 // Levels of the albedo below the smallest one: a vertex takes the color around it.
 const AROUND: u32 = 3u;
-// Share of the card's width by which the shaft may lie beside its middle, so that a vane ends where the vertices of the middle are.
-const STRAIGHT: f32 = 0.06;
+// Share of the way from the vertices of the middle to those of an edge by which the shaft may lie beside the middle, so that a vane ends there.
+const STRAIGHT: f32 = 0.12;
 // Share of the width, from the middle, within which both vanes meet.
 const EDGE: f32 = 0.25;
 
@@ -69,7 +69,7 @@ fn response_of(in: FeatherVertex, right: bool, shaft: f32) -> VaneResponse {
     let first = select(in.left_first, in.right_first, right);
     let vane = 1.0 - shaft;
     // It is 0 at the edges.
-    let there = shaft / max(1.0 - 2.0 * abs(in.uv.x - 0.5), 0.5);
+    let there = shaft / max(1.0 - 2.0 * abs(in.world_normal.w - 0.5), 0.5);
     let painted = there * in.shaft;
     let black = there * vec4(in.left_front.w, in.left_back.w, in.right_front.w, in.right_back.w);
     return VaneResponse(
@@ -241,7 +241,7 @@ fn light_vertex(placed: FeatherVertex) -> FeatherVertex {
     let aside = abs(placed.uv.x - 0.5);
     // Both vanes end at the shaft, one at an edge: there the other one, of which next to nothing shows unless the shaft is bent, counts as
     // the same.
-    let both = aside < EDGE || abs(rachis_at(base, placed.uv.y).x - 0.5) > STRAIGHT;
+    let both = aside < EDGE || abs(rachis_at(base, placed.uv.y).x - 0.5) > STRAIGHT * aside;
     let edge_is_right = placed.uv.x > 0.5;
     var found = VaneResponse();
     for (var i = 0u; i < 2u; i++) {

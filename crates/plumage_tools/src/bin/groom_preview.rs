@@ -346,7 +346,7 @@ fn collect(world: &mut World, by_layer: bool, depths: &[f32]) -> Vec<Triangle> {
             let corners = [places[t[0]], places[t[1]], places[t[2]]];
             let (uv, color) = match (&cards, uvs, ids) {
                 (Some(cards), Some(uvs), Some(ids)) => {
-                    let tint = Vec3::from_array(cards.cards[ids[t[0]][0] as usize].tint);
+                    let tint = Vec3::from_array(cards.cards[ids[t[0]][0].round() as usize].tint);
                     let layer = Vec3::new(
                         ids[t[0]][1],
                         (ids[t[0]][1] * 7.0).fract(),
