@@ -10,8 +10,22 @@ const LOWEST: usize = 8;
 /// Times that all rows are moved a half of what is possible, before the last time.
 const SWEEPS: usize = 4;
 
-/// The least that the first of two edges may be at each of `segments + 1` equal steps of height, so that the line between them leaves
-/// every point (edge, height) above it; then what lies above a row is as little as possible.
+/// A line through points, so dense that every segment has at least two of it where it passes.
+fn dense(line: &[[f32; 2]], segments: usize) -> impl Iterator<Item = [f32; 2]> {
+    line.windows(2).flat_map(move |pair| {
+        let [from, to] = [pair[0], pair[1]];
+        let steps = ((to[1] - from[1]).abs() * 2.0 * segments as f32)
+            .ceil()
+            .max(1.0);
+        (0..=steps as usize).map(move |i| {
+            let share = i as f32 / steps;
+            std::array::from_fn(|k| from[k] + (to[k] - from[k]) * share)
+        })
+    })
+}
+
+/// The most that an edge may be at each of `segments + 1` equal steps of height, so that lines between them stay below every point (place
+/// of the edge, height); rows share what is left to them. At every height there is a point.
 fn tight(points: &[[f32; 2]], segments: usize) -> Vec<f32> {
     let steps = segments as f32;
     // Segment and place in it.
@@ -43,18 +57,15 @@ fn tight(points: &[[f32; 2]], segments: usize) -> Vec<f32> {
                 }
             }
             let share = if sweep < SWEEPS { 0.5 } else { 1.0 };
-            // A row that no point asks for stays between its neighbors.
-            if most > edge[row] {
-                edge[row] += share * (most - edge[row]);
-            }
+            edge[row] += share * (most - edge[row]).max(0.0);
         }
     }
     edge.iter().map(|u| u.clamp(0.0, 1.0)).collect()
 }
 
 impl Feather {
-    /// Points on the outline of one vane and of the shaft beside it: u and v of the card.
-    fn outline_points(&self, table: &ShapeTable, side: Side) -> Vec<[f32; 2]> {
+    /// Points on the outline of one vane and of the shaft beside it, for a card of so many segments: u and v.
+    fn outline_points(&self, table: &ShapeTable, side: Side, segments: usize) -> Vec<[f32; 2]> {
         let column = usize::from(side == Side::Right);
         let vane = self.query_vane::<f32>(side);
         let cotangent = barb_cotangent(vane.sin_b, vane.cos_b);
@@ -68,7 +79,10 @@ impl Feather {
         let last = table.rachis.len() - 1;
         let point = |x: f32, y: f32| {
             let v = y.clamp(0.0, 1.0);
-            let curve = table.rachis[((v * last as f32).round() as usize).min(last)][0];
+            let place = v * last as f32;
+            let row = (place as usize).min(last - 1);
+            let (below, above) = (table.rachis[row][0], table.rachis[row + 1][0]);
+            let curve = below + (above - below) * (place - row as f32);
             [curve + side.sign() * x / self.aspect, v]
         };
         // Up to where the barb leaves the card.
@@ -86,7 +100,11 @@ impl Feather {
         let outline = (0..CONTOUR_ROWS).map(|row| barb(row, 1.0));
         let shaft = table.rachis.iter().enumerate();
         let shaft = shaft.map(|(row, rachis)| point(rachis[2], row as f32 / last as f32));
-        lowest.chain(outline).chain(shaft).collect()
+        let vane: Vec<[f32; 2]> = lowest.chain(outline).collect();
+        let shaft: Vec<[f32; 2]> = shaft.collect();
+        dense(&vane, segments)
+            .chain(dense(&shaft, segments))
+            .collect()
     }
 
     /// The strip of the card that holds the whole feather, whatever the weather: left and right edge (u) at the root, the tip and equal
@@ -94,8 +112,8 @@ impl Feather {
     pub fn card_strip(&self, segments: usize) -> Vec<[f32; 2]> {
         let segments = segments.max(1);
         let table = self.shape_table();
-        let left = tight(&self.outline_points(&table, Side::Left), segments);
-        let right = self.outline_points(&table, Side::Right);
+        let left = tight(&self.outline_points(&table, Side::Left, segments), segments);
+        let right = self.outline_points(&table, Side::Right, segments);
         let right: Vec<[f32; 2]> = right.iter().map(|[u, v]| [1.0 - u, *v]).collect();
         let right = tight(&right, segments);
         let pairs = left.iter().zip(&right);

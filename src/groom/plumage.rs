@@ -189,10 +189,9 @@ fn start(
             fail(&mut state, &mut commands, owner, cause);
             continue;
         }
-        let list = list.iter().map(|feather| feathers.get(feather).cloned());
-        let Some(list) = list.collect::<Option<Vec<_>>>() else {
+        if list.iter().any(|feather| feathers.get(feather).is_none()) {
             continue;
-        };
+        }
         let own = job
             .masks
             .get_or_insert_with(|| textures.load(owner, plumage, groom));
@@ -225,7 +224,10 @@ fn start(
             textures: textures.copies(&own),
             authored,
             pivots: target.pivots().collect(),
-            feathers: list,
+            feathers: {
+                let own = job.feathers.iter().flatten();
+                own.filter_map(|own| feathers.get(own)).cloned().collect()
+            },
         });
         let images = own.into_iter().map(|(image, _)| image).collect();
         commands.entity(owner).insert(MaskImages(images));
