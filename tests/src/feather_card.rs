@@ -16,6 +16,11 @@ const OUTLINE: f32 = 0.67;
 
 /// Spawns the feather of a file, tip to the right, so large that it fills a third of the picture (or the width of it).
 pub fn spawn_filling(stage: &mut Stage, file: &'static str) -> Entity {
+    spawn_segments(stage, file, (1, 1))
+}
+
+/// The same on a card of so many segments across and along.
+pub fn spawn_segments(stage: &mut Stage, file: &'static str, segments: (usize, usize)) -> Entity {
     let handle: Handle<Feather> = stage.app.world().resource::<AssetServer>().load(file);
     let aspect = wait::until(file, || {
         stage.frame();
@@ -36,9 +41,10 @@ pub fn spawn_filling(stage: &mut Stage, file: &'static str) -> Entity {
         transparency: FeatherTransparency::Blend,
     };
     let world = stage.app.world_mut();
-    let mesh = world
-        .resource_mut::<Assets<Mesh>>()
-        .add(card_mesh(length, length * aspect));
+    let mesh =
+        world
+            .resource_mut::<Assets<Mesh>>()
+            .add(card_mesh(length, length * aspect, segments));
     let owner = world
         .spawn((
             Transform::from_xyz(-0.5 * length, 0.0, 0.0)
@@ -71,7 +77,7 @@ pub fn spawn_filling(stage: &mut Stage, file: &'static str) -> Entity {
             [card],
             [CardGeometry {
                 first_vertex: 0,
-                vertex_count: VERTICES as u32,
+                vertex_count: ((segments.0 + 1) * (segments.1 + 1)) as u32,
             }],
             vec![handle],
         ),
@@ -80,15 +86,10 @@ pub fn spawn_filling(stage: &mut Stage, file: &'static str) -> Entity {
     owner
 }
 
-/// Segments of the card across and along.
-const SEGMENTS: (usize, usize) = (2, 4);
-/// Vertices of the card.
-const VERTICES: usize = (SEGMENTS.0 + 1) * (SEGMENTS.1 + 1);
-
-fn card_mesh(length: f32, width: f32) -> Mesh {
-    let (across, along) = SEGMENTS;
+fn card_mesh(length: f32, width: f32, (across, along): (usize, usize)) -> Mesh {
     let wide = across + 1;
-    let uvs: Vec<[f32; 2]> = (0..VERTICES)
+    let count = wide * (along + 1);
+    let uvs: Vec<[f32; 2]> = (0..count)
         .map(|i| {
             [
                 (i % wide) as f32 / across as f32,
@@ -107,13 +108,10 @@ fn card_mesh(length: f32, width: f32) -> Mesh {
         RenderAssetUsages::default(),
     )
     .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; VERTICES])
-    .with_inserted_attribute(
-        Mesh::ATTRIBUTE_TANGENT,
-        vec![[0.0, 1.0, 0.0, -1.0]; VERTICES],
-    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; count])
+    .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[0.0, 1.0, 0.0, -1.0]; count])
     .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
-    .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, vec![[0.0, 0.0]; VERTICES])
+    .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, vec![[0.0, 0.0]; count])
     .with_inserted_indices(Indices::U32(indices.map(|i| i as u32).collect()))
 }
 

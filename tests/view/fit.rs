@@ -7,7 +7,7 @@ use bevy_plumage::{
 };
 use plumage_tests::{
     app::Stage,
-    feather_card::{save, spawn_filling},
+    feather_card::{save, spawn_segments},
     view::{frames, mean},
 };
 
@@ -31,7 +31,7 @@ fn fitted_cards_show_the_same() {
         return;
     };
     let file = "feathers/macaw_contour.feather.ron";
-    let owner = spawn_filling(&mut stage, file);
+    let owner = spawn_segments(&mut stage, file, (2, 4));
     let rest = *stage.app.world().get::<Transform>(owner).unwrap();
     // Shares of the size that fills the picture; turned about the shaft, radians.
     let looks = [

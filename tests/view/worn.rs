@@ -5,12 +5,15 @@ use bevy::{
     prelude::*,
 };
 use bevy_plumage::{
-    groom::{ATTRIBUTE_RAISED, Bird, JointPose, KeyPose, PlumageCards, SkinMesh, groom_bird},
+    groom::{
+        ATTRIBUTE_RAISED, Bird, JointPose, KeyPose, PlumageCards, SkinMesh, fit_cards, groom_bird,
+    },
     maths::order::raised_heights,
     prelude::*,
 };
 use plumage_tests::{
     app::Stage,
+    shipped,
     view::{frames, orthographic, part_skin, patch_groom, showing},
 };
 
@@ -77,7 +80,14 @@ fn a_bent_bird_wears_the_heights_of_its_bent_pose() {
         joints,
         ..Bird::default()
     };
-    let coat = groom_bird(&body, &groom, SEED, 1.0).unwrap();
+    let mut coat = groom_bird(&body, &groom, SEED, 1.0).unwrap();
+    let feather = shipped::feather("contour");
+    fit_cards(
+        &mut coat.mesh,
+        &coat.cards,
+        &coat.geometry,
+        &[Some(&feather)],
+    );
     assert!(
         coat.worn.reach > 1.0e-4,
         "bending asks for no other heights"
