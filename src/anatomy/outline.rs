@@ -20,7 +20,7 @@ struct Outline<'a> {
 }
 
 /// Linear between the rows of a table.
-fn between<const N: usize>(rows: &[[f32; N]], place: f32, column: usize) -> f32 {
+pub(super) fn between<const N: usize>(rows: &[[f32; N]], place: f32, column: usize) -> f32 {
     let last = rows.len() - 1;
     let i = (place as usize).min(last.saturating_sub(1));
     let (low, high) = (rows[i][column], rows[(i + 1).min(last)][column]);

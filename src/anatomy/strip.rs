@@ -1,6 +1,6 @@
 //! How much of its card a feather needs: a strip that holds its outline.
 
-use super::{CONTOUR_ROWS, Feather, ShapeTable, Side};
+use super::{CONTOUR_ROWS, Feather, ShapeTable, Side, outline::between};
 use crate::maths::card::barb_cotangent;
 
 /// Widths of the card that are left around the outline.
@@ -79,10 +79,7 @@ impl Feather {
         let last = table.rachis.len() - 1;
         let point = |x: f32, y: f32| {
             let v = y.clamp(0.0, 1.0);
-            let place = v * last as f32;
-            let row = (place as usize).min(last - 1);
-            let (below, above) = (table.rachis[row][0], table.rachis[row + 1][0]);
-            let curve = below + (above - below) * (place - row as f32);
+            let curve = between(&table.rachis, v * last as f32, 0);
             [curve + side.sign() * x / self.aspect, v]
         };
         // Up to where the barb leaves the card.

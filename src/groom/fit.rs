@@ -62,6 +62,9 @@ fn moves(
     else {
         return moves;
     };
+    if ids.len() < uvs.len() {
+        return moves;
+    }
     let mut uvs = uvs.clone();
     let mut strips = HashMap::<(usize, usize), Vec<[f32; 2]>>::default();
     for (card, place) in cards.iter().zip(geometry) {
@@ -103,7 +106,9 @@ fn moves(
                 };
                 let id = ids[vertex][0].round() + mark;
                 let (own, next) = (uvs[vertex][0], uvs[beside][0]);
-                if (own - u).abs() <= LITTLE && ids[vertex][0] == id {
+                let fits = (own - u).abs() <= LITTLE && ids[vertex][0] == id;
+                // Between columns in one place there is no line to move on.
+                if fits || (own - next).abs() <= LITTLE {
                     continue;
                 }
                 moves.push(Move {
@@ -134,8 +139,9 @@ fn apply(mesh: &mut Mesh, moves: &[Move]) {
         mesh.attribute_mut(Mesh::ATTRIBUTE_NORMAL)
     {
         for step in moves {
-            fronts.push(unit(step.between(normals)));
-            normals[step.vertex] = unit(step.between(normals)).to_array();
+            let front = unit(step.between(normals));
+            normals[step.vertex] = front.to_array();
+            fronts.push(front);
         }
     }
     if let Some(VertexAttributeValues::Float32x4(tangents)) =

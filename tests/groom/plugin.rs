@@ -363,9 +363,9 @@ fn an_edited_outline_gets_the_card_that_it_needs() {
         app.update();
     };
     let fitted = wide(&app);
-    edit(&mut app, &|feather| feather.contour.start = 0.0);
     edit(&mut app, &|feather| {
         let vane = &mut feather.contour;
+        vane.start = 0.0;
         for reach in vane.left.iter_mut().chain(&mut vane.right) {
             *reach = 1.0;
         }
