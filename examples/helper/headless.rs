@@ -37,7 +37,7 @@ use wgpu_types::DeviceType;
 /// Longest wait from one coat to the next.
 const LOAD_TIMEOUT: Duration = Duration::from_secs(900);
 /// Longest wait for the picture to come back from the GPU.
-const CAPTURE_TIMEOUT: Duration = Duration::from_secs(60);
+const CAPTURE_TIMEOUT: Duration = Duration::from_secs(600);
 /// Shortest wait: a coat may bring another one (down below feathers).
 const LOAD_AT_LEAST: Duration = Duration::from_millis(200);
 /// Time between two lines of progress.

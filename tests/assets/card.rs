@@ -89,6 +89,33 @@ fn coverage_of_a_part_is_of_the_part_and_no_more_than_all_of_it() {
     assert_eq!(card::on_card([0.0; 4], 0.02), [0.0; 4]);
 }
 
+#[test]
+fn no_card_looks_narrower_than_its_barbs() {
+    // A sheet seen from the side, in a plane across its shaft: x from left to right, z along the normal.
+    let (width, thickness) = (20.0_f64, 0.3);
+    for (step, front) in (0..1440).flat_map(|step| [(step, true), (step, false)]) {
+        let angle = (f64::from(step) + 0.5) * std::f64::consts::TAU / 1440.0;
+        let (aside, facing) = angle.sin_cos();
+        let seen = |across: f64| {
+            let shift = card::edge_shift(across, width, thickness, facing, aside, front);
+            (across - 0.5) * width * facing - shift * aside
+        };
+        let bare = width * facing * if front { 1.0 } else { -1.0 };
+        let turned = seen(1.0) - seen(0.0);
+        let shown = if front { turned } else { -turned };
+        // What is turned over further shows its other face.
+        let wanted = if bare > -8.0 * thickness {
+            bare.max(thickness)
+        } else {
+            bare
+        };
+        // Along the normal, what is moved is seen under the sine of its angle.
+        assert!((shown - wanted).abs() < 0.03, "{angle}: {shown}, {wanted}");
+        // The middle stays.
+        assert!((seen(0.5)).abs() < 1e-12);
+    }
+}
+
 /// The integral of the indicator of the half plane over the Gaussian, summed on a fine grid.
 fn half_plane_by_sum(mean: [f64; 2], cov: [f64; 3], inside: impl Fn(f64, f64) -> bool) -> f64 {
     let a = cov[0].sqrt();

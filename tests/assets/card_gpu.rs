@@ -6,12 +6,12 @@ use rand::{RngExt, SeedableRng};
 const FILES: [&str; 1] = ["anatomy.wgsl"];
 const COUNT: usize = 4000;
 const INPUTS: usize = 16;
-const OUTPUTS: usize = 16;
+const OUTPUTS: usize = 17;
 
 const TEXT: &str = "
 #import bevy_plumage::anatomy::{
     canonical_footprint, barb_cotangent, barb_root, contour_coverage, vane_start_coverage, hooked, barbule_factor, contour_row, card_share,
-    on_card,
+    edge_shift, on_card,
 }
 fn evaluate(i: u32) {
     let k = i * 16u;
@@ -21,7 +21,7 @@ fn evaluate(i: u32) {
     let cotangent = barb_cotangent(sin(input[k + 9u]), cos(input[k + 9u]));
     let reach = input[k + 10u];
     let root = barb_root(at.mean, cotangent);
-    let o = i * 16u;
+    let o = i * 17u;
     output[o] = at.mean.x;
     output[o + 1u] = at.mean.y;
     output[o + 2u] = at.covariance.x;
@@ -39,6 +39,8 @@ fn evaluate(i: u32) {
     output[o + 13u] = weights.y;
     output[o + 14u] = weights.z;
     output[o + 15u] = weights.w;
+    output[o + 16u] = edge_shift(
+        input[k], abs(input[k + 7u]), 0.1 * input[k + 6u], input[k + 6u] - 0.5, input[k + 9u] - 0.7, input[k + 8u] > 0.6);
 }";
 
 #[test]
@@ -120,6 +122,19 @@ fn shader_and_crate_agree() {
                 weights[k]
             );
         }
+        let shift = card::edge_shift(
+            x[0],
+            x[7].abs(),
+            0.1 * x[6],
+            x[6] - 0.5,
+            x[9] - 0.7,
+            x[8] > 0.6,
+        );
+        assert!(
+            (got[16] - shift).abs() <= 1e-6,
+            "case {i} shift: {} against {shift}",
+            got[16]
+        );
         let row = card::contour_row(root, x[12], 256.0);
         assert!(
             (got[10] - row).abs() < 0.01,

@@ -8,6 +8,7 @@ mod borders;
 mod cameras;
 mod culling;
 mod debug;
+mod edge;
 mod edit_cost;
 mod environment;
 mod far;

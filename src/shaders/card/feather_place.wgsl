@@ -2,15 +2,17 @@
 #define_import_path bevy_plumage::feather_place
 #import bevy_pbr::{mesh_functions, mesh_view_bindings::view, skinning, view_transformations::position_world_to_clip}
 #ifdef ORDER_WINDOW
-#import bevy_plumage::feather_eye::{is_orthographic, to_eye}
+#import bevy_plumage::feather_eye::is_orthographic
 #import bevy_plumage::order::{UNSETTLED_WINDOW, order_reach, raised_window, stirred_window}
 #endif
 #ifdef WORN_POSES
 #import bevy_plumage::order::{raised_heights, raised_held}
 #endif
 #import bevy_plumage::{
-    feather_bindings::{cards, lod, motion, settings},
+    anatomy::edge_shift,
+    feather_bindings::{cards, feather_at, feather_base, lod, motion, settings},
     feather_data as data,
+    feather_eye::to_eye,
     feather_io::{CardVertex, FeatherVertex},
     wind::turned_by,
 }
@@ -142,6 +144,20 @@ fn is_drawn(bits: u32) -> bool {
 #endif
 }
 
+// How far a vertex moves, in the world: seen edge on, a vane is as thick as its barbs. `width`: of the card, `root`: its normal at the
+// root, both in the world.
+fn edged(placed: FeatherVertex, card: data::Card, width: f32, root: vec3<f32>) -> vec3<f32> {
+    let radius = feather_at(feather_base(data::card_feather(card.feather)) + data::LEFT_VANE + 1u).z;
+    let thickness = 2.0 * radius * card.length / max(card.width, 1e-9) * width;
+    let normal = normalize(placed.world_normal.xyz);
+    let eye = to_eye(placed.world_position.xyz);
+    let hand = select(-1.0, 1.0, placed.world_tangent.w > 0.0);
+    let aside = hand * dot(cross(normal, placed.world_tangent.xyz), eye);
+    // Of a card that is fitted to its feather this row is about as wide.
+    let own = width * min(abs(2.0 * placed.uv.x - 1.0), 1.0);
+    return normal * edge_shift(placed.world_normal.w, own, thickness, dot(normal, eye), aside, dot(root, eye) >= 0.0);
+}
+
 #ifdef ORDER_WINDOW
 // Share of its distance that a place is moved towards the eye at most.
 const NEAREST: f32 = 0.05;
@@ -176,7 +192,6 @@ fn place(vertex: CardVertex) -> FeatherVertex {
     let turn = turn_of(card, index, 0u, free(vertex, 0u));
     let tangent_turn = turn.whole + turn.tip * vertex.uv.y;
     out.world_position = world_from_local * vec4(bent(raised(vertex, 0u), card.root, turn, vertex.uv.y), 1.0);
-    out.position = position_world_to_clip(out.world_position.xyz);
     let normal = turned_by(vertex.normal, tangent_turn);
     let tangent = vec4(turned_by(vertex.tangent.xyz, tangent_turn), vertex.tangent.w);
 #ifdef SKINNED
@@ -186,9 +201,15 @@ fn place(vertex: CardVertex) -> FeatherVertex {
 #endif
     out.world_normal = vec4(world_normal, across_card(vertex));
     out.world_tangent = mesh_functions::mesh_tangent_local_to_world(world_from_local, tangent, vertex.instance_index);
+    let width = card.width * length((world_from_local * vec4(card.along, 0.0)).xyz);
+    var edge = vec4(0.0);
+    if (!is_light()) {
+        edge = vec4(edged(out, card, width, (world_from_local * vec4(card.normal, 0.0)).xyz), 0.0);
+    }
+    out.world_position += edge;
+    out.position = position_world_to_clip(out.world_position.xyz);
 #ifdef ORDER_WINDOW
     let eye = to_eye(out.world_position.xyz);
-    let width = card.width * length((world_from_local * vec4(card.along, 0.0)).xyz);
     let farthest = select(NEAREST * distance(view.world_position, out.world_position.xyz), width, is_orthographic());
 #ifdef WORN_POSES
     let needed = raised_window(vertex.raised, motion_at(data::MOTION_WORN), motion_at(data::MOTION_WORN + 1u).y);
@@ -208,7 +229,7 @@ fn place(vertex: CardVertex) -> FeatherVertex {
     let before = previous_world_from_card(vertex);
     let first = arrayLength(&motion) / 2u;
     let turn_before = turn_of(card, index, first, free(vertex, first));
-    out.previous_world_position = before * vec4(bent(raised(vertex, first), card.root, turn_before, vertex.uv.y), 1.0);
+    out.previous_world_position = before * vec4(bent(raised(vertex, first), card.root, turn_before, vertex.uv.y), 1.0) + edge;
 #endif
 #ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION
     out.unclipped_depth = out.position.z;
