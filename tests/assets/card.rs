@@ -104,10 +104,10 @@ fn no_card_looks_narrower_than_its_barbs() {
         let turned = seen(1.0) - seen(0.0);
         let shown = if front { turned } else { -turned };
         // What is turned over further shows its other face.
-        let wanted = if bare > -8.0 * thickness {
-            bare.max(thickness)
-        } else {
-            bare
+        let wanted = match bare / thickness {
+            turned if turned <= -8.0 => bare,
+            turned if turned < 0.0 => thickness,
+            _ => bare.max(thickness + 0.75 * bare),
         };
         // Along the normal, what is moved is seen under the sine of its angle.
         assert!((shown - wanted).abs() < 0.03, "{angle}: {shown}, {wanted}");
