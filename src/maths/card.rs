@@ -70,10 +70,10 @@ pub fn on_card<T: Real>(weights: [T; 4], share: T) -> [T; 4] {
 }
 
 /// How far a place at share `across` of a card (0..1, left to right) moves along the card's normal, so that the card never looks narrower than
-/// `thickness`: the edges move apart where the eye sees less than four times that of `width` (both in one unit, 0 or more), all of it where
-/// the card stands edge on. `facing` and `aside` are the eye's components along the normal and from left to right. `front`: whether the
-/// card shows its front face at its root; places that are turned away by no more than eight times `thickness` show it, too, or the edges
-/// would cross between them. A sheet without thickness would leave dots between pixels where it stands edge on.
+/// `thickness`: the edges move apart where the eye sees less of `width` (both in one unit, 0 or more). `facing` and `aside` are the eye's
+/// components along the normal and from left to right. `front`: whether the card shows its front face at its root; places that are turned
+/// away by no more than eight times `thickness` show it, too, or the edges would cross between them.
+/// A sheet without thickness would leave dots between pixels where it stands edge on.
 pub fn edge_shift<T: Real>(
     across: T,
     width: T,
@@ -84,10 +84,8 @@ pub fn edge_shift<T: Real>(
 ) -> T {
     let side = if front { T::one() } else { -T::one() };
     let shown = width * facing * side;
-    // An arched card shows a quarter of what its edges tell.
-    let seen = shown.min(real::<T>(0.25) * shown);
     let lacking = if shown > -real::<T>(EDGE_REACH) * thickness {
-        (thickness - seen).max(T::zero())
+        (thickness - shown).max(T::zero())
     } else {
         T::zero()
     };

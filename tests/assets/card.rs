@@ -89,30 +89,71 @@ fn coverage_of_a_part_is_of_the_part_and_no_more_than_all_of_it() {
     assert_eq!(card::on_card([0.0; 4], 0.02), [0.0; 4]);
 }
 
+// A sheet seen from the side, in a plane across its shaft: x from left to right, z along the normal.
+const WIDTH: f64 = 20.0;
+const THICKNESS: f64 = 0.3;
+
+/// Width that the eye sees of a flat sheet, more than 0 where it sees the face that `front` says; `angle`: of the eye, from the normal.
+fn seen_width(angle: f64, front: bool) -> f64 {
+    let (aside, facing) = angle.sin_cos();
+    let seen = |across: f64| {
+        let shift = card::edge_shift(across, WIDTH, THICKNESS, facing, aside, front);
+        (across - 0.5) * WIDTH * facing - shift * aside
+    };
+    // The middle stays.
+    assert!(seen(0.5).abs() < 1e-12);
+    (seen(1.0) - seen(0.0)) * if front { 1.0 } else { -1.0 }
+}
+
 #[test]
 fn no_card_looks_narrower_than_its_barbs() {
-    // A sheet seen from the side, in a plane across its shaft: x from left to right, z along the normal.
-    let (width, thickness) = (20.0_f64, 0.3);
     for (step, front) in (0..1440).flat_map(|step| [(step, true), (step, false)]) {
         let angle = (f64::from(step) + 0.5) * std::f64::consts::TAU / 1440.0;
-        let (aside, facing) = angle.sin_cos();
-        let seen = |across: f64| {
-            let shift = card::edge_shift(across, width, thickness, facing, aside, front);
-            (across - 0.5) * width * facing - shift * aside
-        };
-        let bare = width * facing * if front { 1.0 } else { -1.0 };
-        let turned = seen(1.0) - seen(0.0);
-        let shown = if front { turned } else { -turned };
+        let bare = WIDTH * angle.cos() * if front { 1.0 } else { -1.0 };
         // What is turned over further shows its other face.
-        let wanted = match bare / thickness {
-            turned if turned <= -8.0 => bare,
-            turned if turned < 0.0 => thickness,
-            _ => bare.max(thickness + 0.75 * bare),
+        let wanted = if bare > -8.0 * THICKNESS {
+            bare.max(THICKNESS)
+        } else {
+            bare
         };
         // Along the normal, what is moved is seen under the sine of its angle.
+        let shown = seen_width(angle, front);
         assert!((shown - wanted).abs() < 0.03, "{angle}: {shown}, {wanted}");
-        // The middle stays.
-        assert!((seen(0.5)).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn the_edges_of_a_card_that_turns_over_do_not_cross() {
+    // Between two rows of vertices each edge is a straight line. Bare ones would cross where the card stands edge on.
+    let side = std::f64::consts::FRAC_PI_2;
+    for thicknesses in [0.5, 2.0, 7.0] {
+        let lean = thicknesses * THICKNESS / WIDTH;
+        let rows = [side - lean, side + lean].map(|angle| seen_width(angle, true));
+        for step in 0..=20 {
+            let at = f64::from(step) / 20.0;
+            let between = rows[0] + (rows[1] - rows[0]) * at;
+            assert!(between > 0.95 * THICKNESS, "{thicknesses}: {rows:?}");
+        }
+    }
+}
+
+#[test]
+fn an_arched_card_is_as_thick_as_its_barbs_too() {
+    // Seen along its chord it shows the height of its arch, and its edges face the eye from both sides.
+    for step in 0..40 {
+        let height = 0.1 * f64::from(step) * THICKNESS;
+        let seen = |across: f64| {
+            let beside = across - 0.5;
+            let slope = 8.0 * height * beside / WIDTH;
+            let facing = slope / slope.hypot(1.0);
+            let aside = 1.0 / slope.hypot(1.0);
+            let shift = card::edge_shift(across, WIDTH, THICKNESS, facing, aside, true);
+            -4.0 * height * beside * beside + shift * aside
+        };
+        let places = [0.0, 0.25, 0.5, 0.75, 1.0].map(seen);
+        let low = places.iter().copied().fold(f64::MAX, f64::min);
+        let high = places.iter().copied().fold(f64::MIN, f64::max);
+        assert!(high - low > 0.95 * THICKNESS, "{height}: {places:?}");
     }
 }
 

@@ -202,6 +202,7 @@ fn place(vertex: CardVertex) -> FeatherVertex {
     out.world_normal = vec4(world_normal, across_card(vertex));
     out.world_tangent = mesh_functions::mesh_tangent_local_to_world(world_from_local, tangent, vertex.instance_index);
     let width = card.width * length((world_from_local * vec4(card.along, 0.0)).xyz);
+    // Shadow maps need no such lines.
     var edge = vec4(0.0);
     if (!is_light()) {
         edge = vec4(edged(out, card, width, (world_from_local * vec4(card.normal, 0.0)).xyz), 0.0);

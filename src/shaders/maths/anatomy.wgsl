@@ -54,9 +54,7 @@ const EDGE_REACH: f32 = 8.0;
 fn edge_shift(across: f32, width: f32, thickness: f32, facing: f32, aside: f32, front: bool) -> f32 {
     let side = select(-1.0, 1.0, front);
     let shown = width * facing * side;
-    // An arched card shows a quarter of what its edges tell.
-    let seen = min(shown, 0.25 * shown);
-    let lacking = select(0.0, max(thickness - seen, 0.0), shown > -EDGE_REACH * thickness);
+    let lacking = select(0.0, max(thickness - shown, 0.0), shown > -EDGE_REACH * thickness);
     return (across - 0.5) * select(lacking, -lacking, aside * side > 0.0);
 }
 
