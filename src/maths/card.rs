@@ -72,7 +72,7 @@ pub fn on_card<T: Real>(weights: [T; 4], share: T) -> [T; 4] {
 /// How far a place at share `across` of a card (0..1, left to right) moves along the card's normal, so that the card never looks narrower than
 /// `thickness`: the edges move apart where the eye sees less of `width` (both in one unit, 0 or more). `facing` and `aside` are the eye's
 /// components along the normal and from left to right. `front`: whether the card shows its front face at its root; places that are turned
-/// away by no more than eight times `thickness` show it, too, or the edges would cross between them.
+/// away by less than 6 degrees show it, too, or the edges would cross between them. What faces the eye by more than that does not move.
 /// A sheet without thickness would leave dots between pixels where it stands edge on.
 pub fn edge_shift<T: Real>(
     across: T,
@@ -84,7 +84,7 @@ pub fn edge_shift<T: Real>(
 ) -> T {
     let side = if front { T::one() } else { -T::one() };
     let shown = width * facing * side;
-    let lacking = if shown > -real::<T>(EDGE_REACH) * thickness {
+    let lacking = if facing.abs() < real(EDGE_FACING) {
         (thickness - shown).max(T::zero())
     } else {
         T::zero()
@@ -97,8 +97,8 @@ pub fn edge_shift<T: Real>(
     (across - real(0.5)) * lacking * outward
 }
 
-/// Thicknesses by which a place is turned over at most to show the face that its card shows.
-const EDGE_REACH: f64 = 8.0;
+/// Cosine between normal and eye from which on a place does not count as edge on.
+const EDGE_FACING: f64 = 0.1;
 
 /// Cotangent of the angle between barb and rachis from its sine and cosine, finite.
 pub fn barb_cotangent<T: Real>(sin_b: T, cos_b: T) -> T {

@@ -9,7 +9,7 @@
 #import bevy_plumage::order::{raised_heights, raised_held}
 #endif
 #import bevy_plumage::{
-    anatomy::edge_shift,
+    anatomy::{EDGE_FACING, edge_shift},
     feather_bindings::{cards, feather_at, feather_base, lod, motion, settings},
     feather_data as data,
     feather_eye::to_eye,
@@ -144,18 +144,16 @@ fn is_drawn(bits: u32) -> bool {
 #endif
 }
 
-// How far a vertex moves, in the world: seen edge on, a vane is as thick as its barbs. `width`: of the card, `root`: its normal at the
-// root, both in the world.
-fn edged(placed: FeatherVertex, card: data::Card, width: f32, root: vec3<f32>) -> vec3<f32> {
+// How far a vertex moves along its normal: seen edge on, a vane is as thick as its barbs. `width`: of the card, `root`: its normal at the
+// root, both in the world; `eye`: towards the eye, which is seen as `facing` along the vertex' own normal.
+fn edge_of(placed: FeatherVertex, card: data::Card, width: f32, root: vec3<f32>, eye: vec3<f32>, facing: f32) -> f32 {
     let radius = feather_at(feather_base(data::card_feather(card.feather)) + data::LEFT_VANE + 1u).z;
     let thickness = 2.0 * radius * card.length / max(card.width, 1e-9) * width;
-    let normal = normalize(placed.world_normal.xyz);
-    let eye = to_eye(placed.world_position.xyz);
     let hand = select(-1.0, 1.0, placed.world_tangent.w > 0.0);
-    let aside = hand * dot(cross(normal, placed.world_tangent.xyz), eye);
+    let aside = hand * dot(cross(placed.world_normal.xyz, placed.world_tangent.xyz), eye);
     // Of a card that is fitted to its feather this row is about as wide.
     let own = width * min(abs(2.0 * placed.uv.x - 1.0), 1.0);
-    return normal * edge_shift(placed.world_normal.w, own, thickness, dot(normal, eye), aside, dot(root, eye) >= 0.0);
+    return edge_shift(placed.world_normal.w, own, thickness, facing, aside, dot(root, eye) >= 0.0);
 }
 
 #ifdef ORDER_WINDOW
@@ -202,15 +200,18 @@ fn place(vertex: CardVertex) -> FeatherVertex {
     out.world_normal = vec4(world_normal, across_card(vertex));
     out.world_tangent = mesh_functions::mesh_tangent_local_to_world(world_from_local, tangent, vertex.instance_index);
     let width = card.width * length((world_from_local * vec4(card.along, 0.0)).xyz);
-    // Shadow maps need no such lines.
+    let eye = to_eye(out.world_position.xyz);
+    let unit = normalize(world_normal);
+    let facing = dot(unit, eye);
     var edge = vec4(0.0);
-    if (!is_light()) {
-        edge = vec4(edged(out, card, width, (world_from_local * vec4(card.normal, 0.0)).xyz), 0.0);
+    // Most cards have nothing to ask; shadow maps need no such lines.
+    if (!is_light() && abs(facing) < EDGE_FACING) {
+        let root = (world_from_local * vec4(card.normal, 0.0)).xyz;
+        edge = vec4(unit * edge_of(out, card, width, root, eye, facing), 0.0);
     }
     out.world_position += edge;
     out.position = position_world_to_clip(out.world_position.xyz);
 #ifdef ORDER_WINDOW
-    let eye = to_eye(out.world_position.xyz);
     let farthest = select(NEAREST * distance(view.world_position, out.world_position.xyz), width, is_orthographic());
 #ifdef WORN_POSES
     let needed = raised_window(vertex.raised, motion_at(data::MOTION_WORN), motion_at(data::MOTION_WORN + 1u).y);
@@ -218,7 +219,7 @@ fn place(vertex: CardVertex) -> FeatherVertex {
     let needed = UNSETTLED_WINDOW;
 #endif
     let window = min(settings.order_window, stirred_window(needed, length(turn.whole + turn.tip)));
-    let reach = order_reach(min(window * width, farthest), dot(normalize(world_normal), eye), vertex.uv.y);
+    let reach = order_reach(min(window * width, farthest), facing, vertex.uv.y);
     out.position = nearer(out.world_position.xyz, out.position, eye, reach);
 #endif
 #ifdef VISIBILITY_RANGE_DITHER

@@ -46,15 +46,15 @@ fn on_card(weights: vec4<f32>, share: f32) -> vec4<f32> {
     return weights / max(share, dot(weights, vec4(1.0)));
 }
 
-// Thicknesses by which a place is turned over at most to show the face that its card shows.
-const EDGE_REACH: f32 = 8.0;
+// Cosine between normal and eye from which on a place does not count as edge on.
+const EDGE_FACING: f32 = 0.1;
 
 // How far a place at share `across` of a card moves along its normal, so that the card never looks narrower than `thickness`; `facing`,
 // `aside`: the eye's components along the normal and from left to right; `front`: the face that the card shows at its root.
 fn edge_shift(across: f32, width: f32, thickness: f32, facing: f32, aside: f32, front: bool) -> f32 {
     let side = select(-1.0, 1.0, front);
     let shown = width * facing * side;
-    let lacking = select(0.0, max(thickness - shown, 0.0), shown > -EDGE_REACH * thickness);
+    let lacking = select(0.0, max(thickness - shown, 0.0), abs(facing) < EDGE_FACING);
     return (across - 0.5) * select(lacking, -lacking, aside * side > 0.0);
 }
 
