@@ -200,15 +200,17 @@ fn place(vertex: CardVertex) -> FeatherVertex {
     out.world_normal = vec4(world_normal, across_card(vertex));
     out.world_tangent = mesh_functions::mesh_tangent_local_to_world(world_from_local, tangent, vertex.instance_index);
     let width = card.width * length((world_from_local * vec4(card.along, 0.0)).xyz);
+    var edge = vec4(0.0);
+#ifndef DIRECTIONAL_SHADOW
     let eye = to_eye(out.world_position.xyz);
     let unit = normalize(world_normal);
     let facing = dot(unit, eye);
-    var edge = vec4(0.0);
     // Most cards have nothing to ask; shadow maps need no such lines.
-    if (!is_light() && abs(facing) < EDGE_FACING) {
+    if (abs(facing) < EDGE_FACING && !is_light()) {
         let root = (world_from_local * vec4(card.normal, 0.0)).xyz;
         edge = vec4(unit * edge_of(out, card, width, root, eye, facing), 0.0);
     }
+#endif
     out.world_position += edge;
     out.position = position_world_to_clip(out.world_position.xyz);
 #ifdef ORDER_WINDOW
