@@ -251,7 +251,7 @@ fn lower(b: &Bill, f: f32, u: f32) -> Texel {
 fn flesh(b: &Bill, f: f32, u: f32) -> Texel {
     let cere = linear(b.colors[3]);
     // Towards the cheek it loses its color.
-    let color = mix(cere, linear(0x6E5330), ease(0.35, 1.0, f));
+    let color = mix(cere, linear(0x6E5330), ease(0.3, 0.9, f));
     let mut texel = skin(color, f, u, 0.14);
     let fold = (-((u - 0.25).abs().min((u - 0.75).abs()) / 0.03).powi(2)).exp();
     texel.height -= 0.5 * fold;
@@ -286,7 +286,7 @@ fn gape(out: &mut Primitive, skeleton: &Skeleton, b: &Bill, body: &Body) {
                 let along = (path[k + 1] - path[k]).normalize();
                 let across = along.cross(Vec3::Y).normalize();
                 let share = at / last as f32;
-                let thin = 1.0 - 0.8 * share;
+                let thin = 1.0 - 0.92 * share;
                 let skin = body.project(off, 4);
                 let centre = off.lerp(
                     skin + body.normal(skin) * (0.9 * wide * (1.0 - 1.6 * share.powi(2))),

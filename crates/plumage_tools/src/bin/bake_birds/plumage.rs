@@ -238,9 +238,12 @@ fn wing_lay(species: &Species, body: &Body, tract: Tract, p: Vec3) -> Vec3 {
     };
     let mut d = wing.direction(azimuth.max(40.0 * reach.min(1.0)));
     if tract == Tract::MarginalUpper {
-        // Round the leading edge from below.
+        // Round the leading edge from below; what runs along the hand may stay.
+        let edge = wing.direction(wing.azimuths[2]);
+        let along = d.project_onto_normalized(edge) * (species.hand_lay * (hand / 0.2).min(1.0));
         let n = body.normal(q);
-        d = d * n.dot(wing.normal) - wing.normal * n.dot(d);
+        let across = d - along;
+        d = along + across * n.dot(wing.normal) - wing.normal * n.dot(across);
     }
     Vec3::new(d.x * if p.x < 0.0 { -1.0 } else { 1.0 }, d.y, d.z)
 }

@@ -104,6 +104,8 @@ pub struct Species {
     pub swell: [[f32; 4]; 2],
     /// Tailward axis of the wing plane below horizontal, degrees.
     pub wing_slope: f32,
+    /// How far the marginal coverts of the hand lie along its edge, 0 (across, as on the arm) to 1.
+    pub hand_lay: f32,
     /// Radii of humerus, forearm, hand, half thickness of the patagium, width of the strip behind the ulna.
     pub arm: [f32; 5],
     /// Radii (start, end) of thigh, crus, tarsus.

@@ -96,6 +96,7 @@ pub fn species() -> Species {
         fold_fan: 3.,
         swell: [[20., -3., 1., 17.], [23., 3., 58., 11.]],
         wing_slope: 63.,
+        hand_lay: 0.0,
         arm: [17., 17., 11., 11.5, 22.],
         legs: [[50., 50.], [54., 42.], [19., 16.]],
         feathered_tarsus: true,
@@ -191,15 +192,14 @@ const BILL: Bill = Bill {
     wedge: [0.0, 0.0],
     nostril: [0.25, 56.0, 2.6, 1.4],
     rings: [5.0, 0.05],
-    // From the cere back to before and below the eye.
+    // From the cere back to below the eye.
     gape: &[
         [13.5, 502.5, 104.0],
         [21.0, 499.5, 98.0],
-        [28.0, 495.5, 90.0],
-        [32.5, 492.5, 82.0],
-        [34.5, 490.5, 77.0],
+        [27.5, 496.5, 91.0],
+        [32.0, 494.0, 83.5],
     ],
-    gape_size: [1.7, 2.6],
+    gape_size: [1.6, 3.2],
 };
 
 /// The ridge that gives the eagle its scowl.
