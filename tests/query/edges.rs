@@ -196,6 +196,65 @@ fn across_a_split() {
 }
 
 #[test]
+fn across_both_vanes_at_the_tip() {
+    // Seen from the side a pixel spans all of a feather's width: near the tip most of that is beside both vanes.
+    let mut random = Pcg64Mcg::seed_from_u64(65);
+    let mut errors = Vec::new();
+    for i in 0..300 {
+        let vane = PlainVane::random(&mut random);
+        let view = random_view(&mut random);
+        let slope = between(&mut random, 0.2, 1.5);
+        let reach = move |root: f64| {
+            let end = slope * (1.0 - root);
+            if (0.0..0.12).contains(&end) {
+                [end, -slope]
+            } else {
+                [end.clamp(0.0, 0.12), 0.0]
+            }
+        };
+        let f = Footprint {
+            mean: [
+                between(&mut random, -0.12, 0.12),
+                between(&mut random, 0.9, 1.01),
+            ],
+            covariance: covariance(
+                between(&mut random, 0.02, 0.1),
+                2f64.powf(between(&mut random, 2.0, 6.0)),
+                between(&mut random, -0.5, 0.5),
+            ),
+        };
+        let feather = PlainFeather {
+            vanes: [vane, vane],
+            rachis_radius: 0.0,
+            reach: &|_, root| reach(root)[0],
+        };
+        let l = covariance_root(f.covariance);
+        let truth = dense_shares(
+            SAMPLES,
+            |[a, b]| [f.mean[0] + l[0] * a, f.mean[1] + l[1] * a + l[2] * b],
+            |point| feather.hit(point, view),
+        );
+        let card = CardFeather {
+            vanes: [vane.vane().into(); 2],
+            rachis_radius: 0.0,
+            start: -1.0,
+            reach: |_, root| reach(root),
+            spacing: 1.0 / 255.0,
+        };
+        let c = cover(&card, &f, 0.5, view, Lod::Mixed, &ErrorBudget::default());
+        let sum = c.rachis + c.barb + c.distal + c.proximal;
+        let error = (sum - truth[1..].iter().sum::<f64>()).abs();
+        if error > 0.02 {
+            eprintln!("{i}: {error:.4} slope {slope:.2} {f:?} {c:?} {truth:.4?}");
+        }
+        errors.push(error);
+    }
+    let [rms, p99, max] = statistics(&errors);
+    eprintln!("across both vanes at the tip: RMS {rms:.4}, P99 {p99:.4}, max {max:.4}");
+    assert!(rms <= 0.01 && max <= 0.06, "{rms}, {max}");
+}
+
+#[test]
 fn on_a_foreshortened_card() {
     // A pinhole camera looks at a card tilted by up to 80 degrees: the Jacobian varies over the pixel, the query sees it at the
     // middle only.

@@ -46,12 +46,15 @@ impl<T: Real> From<Vane<T>> for CardVane<T> {
     }
 }
 
+/// Least that one of two lines leaves of a footprint that both may cut into parts.
+const LINE_SHARE: f64 = 0.98;
+
 /// Where a vane ends, as a footprint sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outline<T> {
     /// How far the barb through the footprint's mean reaches along x, and its derivative by the root of the barb.
     pub reach: [T; 2],
-    /// Share of the footprint inside, see [`outline_share`].
+    /// Share inside of what of the footprint lies on the vane's side of the shaft, see [`outline_share`].
     pub share: T,
 }
 
@@ -93,7 +96,9 @@ pub fn cover_vane<T: Real>(
 ) -> [T; 4] {
     let (zero, one) = (T::zero(), T::one());
     let nothing = [zero, zero, zero, one];
-    if !shows_vane(footprint, edge) {
+    let rachis = rachis_line(edge);
+    let beside = line_share(&rachis, footprint);
+    if beside < T::of(LEAST_SHARE) {
         return nothing;
     }
     let mut vane = card.vane;
@@ -119,12 +124,12 @@ pub fn cover_vane<T: Real>(
     let cell = mask_vane(&vane, view);
     // Whichever of rachis and outline takes more of the footprint cuts it into parts, the other one scales them. Where the tangent
     // tells too little of the outline, the outline scales the whole.
-    let rachis = rachis_line(edge);
     let end = outline_line(footprint.mean, outline.reach, cotangent);
     let straight = line_share(&end, footprint);
     let scale = outline.share / straight.max(T::of(1e-6));
-    let is_line = scale <= T::of(2.0) && scale >= T::of(0.5);
-    let (first, second) = if is_line && straight < line_share(&rachis, footprint) {
+    let is_line =
+        scale <= T::of(2.0) && scale >= T::of(0.5) && straight.max(beside) > T::of(LINE_SHARE);
+    let (first, second) = if is_line && straight < beside {
         (end, rachis)
     } else {
         (rachis, end)

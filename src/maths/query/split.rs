@@ -247,8 +247,9 @@ pub fn outline_root<T: Real>(sight: &OutlineSight<T>, i: u32) -> T {
     sight.root + outline_place(sight, i) * sight.sigma
 }
 
-/// Weight of node `i`, and its weighted share inside; `reach` and its derivative there. The sum of the second over that of the
-/// first is the footprint's share inside.
+/// Of node `i`: what of it lies on this vane's side of the shaft, and what of that lies inside, both weighted; `reach` and its
+/// derivative there. The sum of the second over that of the first is the vane's share inside. A footprint may span both vanes, and the
+/// barbs of this one, carried on beyond the shaft, have no end there.
 pub fn outline_node<T: Real>(sight: &OutlineSight<T>, i: u32, reach: [T; 2]) -> [T; 2] {
     let t = outline_place(sight, i);
     let step = T::of(6.0) / T::of(f64::from(sight.count));
@@ -257,15 +258,17 @@ pub fn outline_node<T: Real>(sight: &OutlineSight<T>, i: u32, reach: [T; 2]) -> 
     } else {
         step * step * T::of(1.0 / 12.0)
     };
+    let distance = sight.inset + sight.slope * t * sight.sigma;
     let steep = (reach[1] - sight.slope) * sight.sigma;
     let deviation = (sight.rest + steep * steep * width).sqrt();
-    let inside = reach[0] - sight.inset - sight.slope * t * sight.sigma;
+    let beyond = normal_share(-distance / deviation);
+    let inside = (normal_share((reach[0] - distance) / deviation) - beyond).max(T::zero());
     let weight = normal_density(t);
-    [weight, weight * normal_share(inside / deviation)]
+    [weight * (T::one() - beyond), weight * inside]
 }
 
-/// Share of a footprint over the left vane inside an outline: `reach` gives how far the barb from a root reaches along x, and the
-/// derivative. A shader, which has no closures, loops over the nodes where its table is bound (`feather_cover.wgsl`).
+/// Share inside an outline of what of a footprint lies on the left vane's side of the shaft: `reach` gives how far the barb from a root
+/// reaches along x, and the derivative. A shader, which has no closures, loops over the nodes where its table is bound (`feather_cover.wgsl`).
 pub fn outline_share<T: Real>(
     f: &Footprint<T>,
     cotangent: T,

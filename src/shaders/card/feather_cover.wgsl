@@ -60,7 +60,7 @@ struct Covered {
 // A lowest barb so low that every footprint is above it.
 const BEGUN: f32 = -1e3;
 
-// Share of a footprint (over the left vane, or mirrored there) inside the outline of one vane.
+// Share inside the outline of one vane of what of a footprint (over the left vane, or mirrored there) lies on its side of the shaft.
 fn outline_share(base: u32, right: bool, footprint: Footprint, cotangent: f32, start: f32) -> f32 {
     // The outline may turn within the footprint.
     let last = f32(data::CONTOUR_SAMPLES - 1u);
@@ -101,17 +101,6 @@ fn mapped_share(in: FeatherVertex, sight: MapSight) -> f32 {
     return sum.y / sum.x;
 }
 
-// The same from the outline of the vane below the middle.
-fn near_share(base: u32, shape: vec4<f32>, footprint: Footprint) -> f32 {
-    let right = footprint.mean.x > 0.0;
-    var side = widened(footprint).footprint;
-    if (right) { side = mirrored(side); }
-    side.mean.x = min(side.mean.x, -1e-6);
-    let angles = feather_at(base + select(data::LEFT_VANE, data::RIGHT_VANE, right));
-    let cotangent = barb_cotangent(angles.x, angles.y);
-    return outline_share(base, right, side, cotangent, shape.z) * vane_start_coverage(side, shape.z, cotangent);
-}
-
 // Shares of a footprint left and right of the rachis.
 fn beside_rachis(edges: vec2<f32>, footprint: Footprint) -> vec2<f32> {
     return vec2(
@@ -127,19 +116,16 @@ fn cover_means(
     shape: vec4<f32>,
     frame: Frame,
     mapped: f32,
-    footprint: Footprint,
+    seen: Footprint,
     edges: vec2<f32>,
 ) -> Covered {
-    var inside = mapped;
-    if (mapped < 0.0) {
-        inside = near_share(base, shape, footprint);
-    }
-    let beside = beside_rachis(edges, footprint);
+    let beside = beside_rachis(edges, seen);
     let hidden = clamp(1.0 - beside.x - beside.y, 0.0, 1.0);
-    let shares = map_vanes(inside, hidden, beside);
-    let main = footprint.mean.x > 0.5 * (edges.x + edges.y);
+    // Without a map all that they may have: the outline comes below.
+    let shares = select(map_vanes(mapped, hidden, beside), beside, vec2(mapped < 0.0));
+    let main = seen.mean.x > 0.5 * (edges.x + edges.y);
     if (shares.x + shares.y + hidden < LEAST_SHARE) {
-        return Covered(vec4(0.0), main, 1.0, 1.0, footprint);
+        return Covered(vec4(0.0), main, 1.0, 1.0, seen);
     }
     let hides = hidden * (1.0 - smooth_step(0.99, 1.0, in.uv.y));
     // In a loop, or the shader holds the vane twice; that of which more is asked comes last. Most fragments have nothing of the other one.
@@ -147,16 +133,24 @@ fn cover_means(
     var vane = VaneCover();
     for (var i = select(0u, 1u, select(shares.y, shares.x, main) < LEAST_SHARE); i < 2u; i++) {
         let right = main == (i == 1u);
-        let share = select(shares.x, shares.y, right);
+        var share = select(shares.x, shares.y, right);
         other = vane.weights;
         vane = VaneCover();
         let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
         let rest = feather_at(slot + 2u);
         let card = CardVane(shape_at(slot), rest.y, rest.z);
+        let cotangent = barb_cotangent(card.shape.vane.sin_b, card.shape.vane.cos_b);
         // The right vane is the left one mirrored.
         let mirror = select(1.0, -1.0, right);
-        let mean = footprint.mean * vec2(mirror, 1.0);
-        let root = barb_root(mean, barb_cotangent(card.shape.vane.sin_b, card.shape.vane.cos_b));
+        let mean = seen.mean * vec2(mirror, 1.0);
+        if (mapped < 0.0) {
+            var side = widened(seen).footprint;
+            if (right) { side = mirrored(side); }
+            share *= outline_share(base, right, side, cotangent, shape.z);
+            side.mean.x = min(side.mean.x, -1e-6);
+            share *= vane_start_coverage(side, shape.z, cotangent);
+        }
+        let root = barb_root(mean, cotangent);
         let reach = contour_at(base, shape.z, root);
         let eye = frame.local_eye * vec3(mirror, 1.0, 1.0);
 #ifdef ONLY_LIT
@@ -166,7 +160,7 @@ fn cover_means(
         vane = mean_vane(card, mean, select(reach.x, reach.y, right), share, eye);
 #endif
     }
-    return Covered(cover_feather(hides, other, vane.weights), main, vane.hook, vane.open, footprint);
+    return Covered(cover_feather(hides, other, vane.weights), main, vane.hook, vane.open, seen);
 }
 
 #ifndef ONLY_MEAN

@@ -31,8 +31,11 @@ struct CardVane {
     downy: f32,
 }
 
+// Least that one of two lines leaves of a footprint that both may cut into parts.
+const LINE_SHARE: f32 = 0.98;
+
 // Where a vane ends, as a footprint sees it: how far the barb through its mean reaches along x and the derivative by the root of the
-// barb; the share of the footprint inside (outline_node).
+// barb; the share inside of what of the footprint lies on the vane's side of the shaft (outline_node).
 struct Outline {
     reach: vec2<f32>,
     share: f32,
@@ -80,7 +83,7 @@ fn cover_vane(
     let end = outline_line(mean, outline.reach, cotangent);
     let straight = line_share(end, footprint);
     let scale = outline.share / max(straight, 1e-6);
-    let is_line = scale <= 2.0 && scale >= 0.5;
+    let is_line = scale <= 2.0 && scale >= 0.5 && max(straight, beside) > LINE_SHARE;
     var first = rachis;
     var second = end;
     if is_line && straight < beside {

@@ -163,13 +163,16 @@ fn outline_root(s: OutlineSight, i: u32) -> f32 {
     return s.root + outline_place(s, i) * s.sigma;
 }
 
-// Weight of node `i`, and its weighted share inside; `reach` and its derivative there. The sum of the second over that of the
-// first is the footprint's share inside.
+// Of node `i`: what of it lies on this vane's side of the shaft, and what of that lies inside, both weighted; `reach` and its
+// derivative there. The sum of the second over that of the first is the vane's share inside.
 fn outline_node(s: OutlineSight, i: u32, reach: vec2<f32>) -> vec2<f32> {
     let t = outline_place(s, i);
+    let distance = s.inset + s.slope * t * s.sigma;
     let steep = (reach.y - s.slope) * s.sigma;
-    let share = normal_share((reach.x - s.inset - s.slope * t * s.sigma) * inverseSqrt(s.rest + steep * steep * s.width));
-    return normal_density(t) * vec2(1.0, share);
+    let scale = inverseSqrt(s.rest + steep * steep * s.width);
+    let beyond = normal_share(-distance * scale);
+    let inside = max(normal_share((reach.x - distance) * scale) - beyond, 0.0);
+    return normal_density(t) * vec2(1.0 - beyond, inside);
 }
 
 // Share of a footprint that the rachis hides; `edges` from mask_rachis.
