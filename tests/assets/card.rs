@@ -71,10 +71,64 @@ fn the_card_has_its_share_of_a_footprint() {
             let on = |i: usize| (0.0..1.0).contains(&(uv[i] + x * dx[i] + y * dy[i]));
             inside += usize::from(on(0) && on(1));
         }
-        let share = card::card_share(uv, dx, dy);
+        let share = card::card_share(uv, card::card_size(dx, dy));
         worst = worst.max((share - inside as f64 / f64::from(count)).abs());
     }
     assert!(worst < 0.02, "{worst}");
+}
+
+#[test]
+fn a_pixel_wider_than_its_card_sees_the_card() {
+    // A card across a pixel, or any part of it: what is left of the footprint has the moments of the card's width there.
+    for width in [0.02, 0.1, 0.3, 1.0, 3.0, 10.0] {
+        for place in [0.0, 0.2, 0.5, 0.9, 1.0] {
+            // Canonical space with the card 0.4 wide: x is across, y along; the pixel leans.
+            let deviation = 0.5 / width;
+            let carry = [0.4 * deviation, 0.1 * deviation];
+            let sight = card::CardSight {
+                footprint: Footprint {
+                    mean: [0.4 * (place - 0.5), 0.3],
+                    covariance: [
+                        carry[0] * carry[0],
+                        carry[0] * carry[1],
+                        carry[1] * carry[1] + 1e-4,
+                    ],
+                },
+                place: [place, 0.3],
+                size: [1.0 / deviation, 100.0],
+            };
+            let seen = card::narrowed(&sight, carry);
+            // Truth by sums over the part of the Gaussian on the card.
+            let [mut mass, mut mean, mut square] = [0.0; 3];
+            for i in 0..1000 {
+                let x = (f64::from(i) + 0.5) * 1e-3;
+                let density = (-0.5 * ((x - place) / deviation).powi(2)).exp();
+                mass += density;
+                mean += density * x;
+                square += density * x * x;
+            }
+            let variance = square / mass - (mean / mass).powi(2);
+            let found = seen.size[0].powi(-2);
+            if width <= 1.0 {
+                assert!(
+                    (found / variance - 1.0).abs() < 0.3,
+                    "{width} {place}: {found} {variance}"
+                );
+                assert!(
+                    (seen.place[0] - mean / mass).abs() < 0.12,
+                    "{width} {place}: {seen:?}"
+                );
+            } else if width >= 10.0 {
+                approx::assert_abs_diff_eq!(found, deviation * deviation, epsilon = 2e-5);
+            }
+            // It stays one Gaussian on one line: both frames tell the same.
+            let f = seen.footprint;
+            approx::assert_abs_diff_eq!(f.mean[0], 0.4 * (seen.place[0] - 0.5), epsilon = 1e-9);
+            approx::assert_abs_diff_eq!(f.covariance[0], 0.16 * found, epsilon = 1e-9);
+            approx::assert_abs_diff_eq!(f.covariance[1], 0.04 * found, epsilon = 1e-9);
+            approx::assert_abs_diff_eq!(f.covariance[2], 0.01 * found + 1e-4, epsilon = 1e-9);
+        }
+    }
 }
 
 #[test]

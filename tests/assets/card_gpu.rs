@@ -6,12 +6,12 @@ use rand::{RngExt, SeedableRng};
 const FILES: [&str; 1] = ["anatomy.wgsl"];
 const COUNT: usize = 4000;
 const INPUTS: usize = 16;
-const OUTPUTS: usize = 17;
+const OUTPUTS: usize = 26;
 
 const TEXT: &str = "
 #import bevy_plumage::anatomy::{
-    canonical_footprint, barb_cotangent, barb_root, contour_coverage, vane_start_coverage, hooked, barbule_factor, contour_row, card_share,
-    edge_shift, on_card,
+    CardSight, canonical_footprint, barb_cotangent, barb_root, contour_coverage, vane_start_coverage, hooked, barbule_factor, contour_row,
+    card_share, card_size, edge_shift, narrowed, on_card,
 }
 fn evaluate(i: u32) {
     let k = i * 16u;
@@ -21,7 +21,7 @@ fn evaluate(i: u32) {
     let cotangent = barb_cotangent(sin(input[k + 9u]), cos(input[k + 9u]));
     let reach = input[k + 10u];
     let root = barb_root(at.mean, cotangent);
-    let o = i * 17u;
+    let o = i * 26u;
     output[o] = at.mean.x;
     output[o + 1u] = at.mean.y;
     output[o + 2u] = at.covariance.x;
@@ -33,7 +33,9 @@ fn evaluate(i: u32) {
     output[o + 8u] = hooked(abs(at.mean.x), at.mean.y, reach, input[k + 13u], input[k + 14u]);
     output[o + 9u] = barbule_factor(output[o + 8u]);
     output[o + 10u] = contour_row(root, input[k + 12u], 256.0);
-    output[o + 11u] = card_share(vec2(input[k], input[k + 1u]), vec2(input[k + 2u], input[k + 3u]), vec2(input[k + 4u], input[k + 5u]));
+    let place = vec2(input[k], input[k + 1u]);
+    let size = card_size(vec2(input[k + 2u], input[k + 3u]), vec2(input[k + 4u], input[k + 5u]));
+    output[o + 11u] = card_share(place, size);
     let weights = on_card(vec4(input[k], input[k + 1u], input[k + 12u], input[k + 13u]) * 0.25, output[o + 11u]);
     output[o + 12u] = weights.x;
     output[o + 13u] = weights.y;
@@ -41,6 +43,17 @@ fn evaluate(i: u32) {
     output[o + 15u] = weights.w;
     output[o + 16u] = edge_shift(
         input[k], abs(input[k + 7u]), 0.1 * input[k + 6u], input[k + 6u] - 0.5, input[k + 9u] - 0.7, input[k + 8u] > 0.6);
+    let wide = CardSight(at, place, vec2(1.0 / input[k + 8u], size.y));
+    let seen = narrowed(wide, vec2(input[k + 12u], 0.1 * input[k + 7u]));
+    output[o + 17u] = seen.footprint.mean.x;
+    output[o + 18u] = seen.footprint.mean.y;
+    output[o + 19u] = seen.footprint.covariance.x;
+    output[o + 20u] = seen.footprint.covariance.y;
+    output[o + 21u] = seen.footprint.covariance.z;
+    output[o + 22u] = seen.place.x;
+    output[o + 23u] = seen.place.y;
+    output[o + 24u] = seen.size.x;
+    output[o + 25u] = seen.size.y;
 }";
 
 #[test]
@@ -107,7 +120,8 @@ fn shader_and_crate_agree() {
             got[8]
         );
         assert!((got[9] - card::barbule_factor(hooked)).abs() < 1e-4);
-        let share = card::card_share([x[0], x[1]], [x[2], x[3]], [x[4], x[5]]);
+        let size = card::card_size([x[2], x[3]], [x[4], x[5]]);
+        let share = card::card_share([x[0], x[1]], size);
         assert!(
             (got[11] - share).abs() <= 1e-4,
             "case {i} share of the card: {} against {share}",
@@ -120,6 +134,25 @@ fn shader_and_crate_agree() {
                 "case {i} weight {k}: {} against {}",
                 got[12 + k],
                 weights[k]
+            );
+        }
+        let wide = card::CardSight {
+            footprint: at,
+            place: [x[0], x[1]],
+            size: [1.0 / x[8], size[1]],
+        };
+        let seen = card::narrowed(&wide, [x[12], 0.1 * x[7]]);
+        let [f, place, size] = [&seen.footprint.mean, &seen.place, &seen.size];
+        let c = seen.footprint.covariance;
+        let seen = [
+            f[0], f[1], c[0], c[1], c[2], place[0], place[1], size[0], size[1],
+        ];
+        for k in 0..9 {
+            assert!(
+                (got[17 + k] - seen[k]).abs() <= 1e-5 + 2e-5 * seen[k].abs(),
+                "case {i} narrowed {k}: {} against {}",
+                got[17 + k],
+                seen[k]
             );
         }
         let shift = card::edge_shift(

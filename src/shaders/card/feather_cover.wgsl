@@ -1,7 +1,7 @@
 // Coverage of a fragment, the same in the color pass and the depth prepass: query_feather fed from the card's tables.
 #define_import_path bevy_plumage::feather_cover
 #import bevy_plumage::{
-    anatomy::{barb_cotangent, barb_root, canonical_footprint, card_share, on_card, vane_start_coverage},
+    anatomy::{CardSight, barb_cotangent, barb_root, canonical_footprint, card_share, card_size, narrowed, on_card, vane_start_coverage},
     feather_bindings::{
         albedo_sampler, contour_at, contour_between, feather_at, outline_texture, rachis_at, settings, shape_at,
     },
@@ -44,7 +44,7 @@ fn frame_of(in: FeatherVertex) -> Frame {
 // Share of the fragment that lies on its card.
 fn own_share(in: FeatherVertex) -> f32 {
     let place = vec2(in.world_normal.w, in.uv.y);
-    return card_share(place, dpdx(place), dpdy(place));
+    return card_share(place, card_size(dpdx(place), dpdy(place)));
 }
 
 // Coverage of the footprint by rachis, barbs, distal and proximal barbules, the vane that has most of it, `hook` and `open` of that vane
@@ -109,6 +109,26 @@ fn beside_rachis(edges: vec2<f32>, footprint: Footprint) -> vec2<f32> {
     );
 }
 
+// The same inside the outlines of both vanes.
+fn near_shares(base: u32, shape: vec4<f32>, footprint: Footprint, beside: vec2<f32>) -> vec2<f32> {
+    var shares = vec2(0.0);
+    for (var i = 0u; i < 2u; i++) {
+        let right = i == 1u;
+        if (select(beside.x, beside.y, right) < LEAST_SHARE) {
+            continue;
+        }
+        let angles = feather_at(base + select(data::LEFT_VANE, data::RIGHT_VANE, right));
+        let cotangent = barb_cotangent(angles.x, angles.y);
+        var side = footprint;
+        if (right) { side = mirrored(footprint); }
+        let inside = outline_share(base, right, side, cotangent, shape.z);
+        side.mean.x = min(side.mean.x, -1e-6);
+        let share = inside * vane_start_coverage(side, shape.z, cotangent);
+        shares = select(vec2(share, shares.y), vec2(shares.x, share), right);
+    }
+    return beside * shares;
+}
+
 // Means are the same everywhere: both vanes differ in what of the fragment they have.
 fn cover_means(
     in: FeatherVertex,
@@ -121,8 +141,10 @@ fn cover_means(
 ) -> Covered {
     let beside = beside_rachis(edges, seen);
     let hidden = clamp(1.0 - beside.x - beside.y, 0.0, 1.0);
-    // Without a map all that they may have: the outline comes below.
-    let shares = select(map_vanes(mapped, hidden, beside), beside, vec2(mapped < 0.0));
+    var shares = map_vanes(mapped, hidden, beside);
+    if (mapped < 0.0) {
+        shares = near_shares(base, shape, seen, beside);
+    }
     let main = seen.mean.x > 0.5 * (edges.x + edges.y);
     if (shares.x + shares.y + hidden < LEAST_SHARE) {
         return Covered(vec4(0.0), main, 1.0, 1.0, seen);
@@ -133,24 +155,16 @@ fn cover_means(
     var vane = VaneCover();
     for (var i = select(0u, 1u, select(shares.y, shares.x, main) < LEAST_SHARE); i < 2u; i++) {
         let right = main == (i == 1u);
-        var share = select(shares.x, shares.y, right);
+        let share = select(shares.x, shares.y, right);
         other = vane.weights;
         vane = VaneCover();
         let slot = base + select(data::LEFT_VANE, data::RIGHT_VANE, right);
         let rest = feather_at(slot + 2u);
         let card = CardVane(shape_at(slot), rest.y, rest.z);
-        let cotangent = barb_cotangent(card.shape.vane.sin_b, card.shape.vane.cos_b);
         // The right vane is the left one mirrored.
         let mirror = select(1.0, -1.0, right);
         let mean = seen.mean * vec2(mirror, 1.0);
-        if (mapped < 0.0) {
-            var side = widened(seen).footprint;
-            if (right) { side = mirrored(side); }
-            share *= outline_share(base, right, side, cotangent, shape.z);
-            side.mean.x = min(side.mean.x, -1e-6);
-            share *= vane_start_coverage(side, shape.z, cotangent);
-        }
-        let root = barb_root(mean, cotangent);
+        let root = barb_root(mean, barb_cotangent(card.shape.vane.sin_b, card.shape.vane.cos_b));
         let reach = contour_at(base, shape.z, root);
         let eye = frame.local_eye * vec3(mirror, 1.0, 1.0);
 #ifdef ONLY_LIT
@@ -261,19 +275,29 @@ fn cover(in: FeatherVertex, base: u32, shape: vec4<f32>, frame: Frame, level: u3
     let rachis = rachis_at(base, in.uv.y);
     let dx = dpdx(in.uv);
     let dy = dpdy(in.uv);
-    let seen = canonical_footprint(in.uv, dx, dy, rachis.x, rachis.y, shape.x);
+    let place = vec2(in.world_normal.w, in.uv.y);
+    let place_dx = dpdx(place);
+    let place_dy = dpdy(place);
+    let footprint = canonical_footprint(in.uv, dx, dy, rachis.x, rachis.y, shape.x);
+    var sight = CardSight(footprint, place, card_size(place_dx, place_dy));
     let edges = mask_rachis(rachis.z, frame.local_eye);
     let mapped = mapped_share(in, map_sight(dx, dy));
+    if (mapped < 0.0) {
+        // One deviation across, from the screen to the card, and to canonical space.
+        let turn = vec2(place_dx.x, place_dy.x) * (0.25 * sight.size.x);
+        let way = dx * turn.x + dy * turn.y;
+        sight = narrowed(sight, vec2(shape.x * (way.x - rachis.y * way.y), way.y));
+    }
     var covered: Covered;
 #ifdef ONLY_MEAN
-    covered = cover_means(in, base, shape, frame, mapped, seen, edges);
+    covered = cover_means(in, base, shape, frame, mapped, sight.footprint, edges);
 #else
     if (is_mean(level)) {
-        covered = cover_means(in, base, shape, frame, mapped, seen, edges);
+        covered = cover_means(in, base, shape, frame, mapped, sight.footprint, edges);
     } else {
-        covered = cover_parts(in.uv, base, shape, frame, level, seen, edges, mapped);
+        covered = cover_parts(in.uv, base, shape, frame, level, sight.footprint, edges, mapped);
     }
 #endif
-    covered.weights = on_card(covered.weights, own_share(in));
+    covered.weights = on_card(covered.weights, card_share(sight.place, sight.size));
     return covered;
 }

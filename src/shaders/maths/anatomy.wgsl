@@ -31,11 +31,37 @@ fn canonical_footprint(
 // Least share of a footprint between two edges of its card.
 const LEAST_CARD_SHARE: f32 = 0.02;
 
-// Share of a pixel's footprint that lies on the card.
-fn card_share(uv: vec2<f32>, duv_dx: vec2<f32>, duv_dy: vec2<f32>) -> f32 {
-    let scale = inverseSqrt(max(0.25 * (duv_dx * duv_dx + duv_dy * duv_dy), vec2(1e-14)));
-    let low = uv * scale;
-    let high = (1.0 - uv) * scale;
+// What a pixel sees of a card: the footprint, where its middle lies across and along the card (0 to 1), and how many deviations of that
+// place the card is wide and long.
+struct CardSight {
+    footprint: Footprint,
+    place: vec2<f32>,
+    size: vec2<f32>,
+}
+
+// How many deviations of a place within a pixel the card is wide and long.
+fn card_size(dplace_dx: vec2<f32>, dplace_dy: vec2<f32>) -> vec2<f32> {
+    return inverseSqrt(max(0.25 * (dplace_dx * dplace_dx + dplace_dy * dplace_dy), vec2(1e-14)));
+}
+
+// The same where the pixel is wider than the card: no more of it than the card has. `carry`: way in canonical space of one deviation across
+// the card.
+fn narrowed(sight: CardSight, carry: vec2<f32>) -> CardSight {
+    let times = 12.0 / (sight.size.x * sight.size.x);
+    let kept = inverseSqrt(1.0 + times * times);
+    let moved = (0.5 - sight.place.x) * (1.0 - kept);
+    let less = vec3(carry.xx, carry.y) * vec3(carry, carry.y) * (1.0 - kept);
+    return CardSight(
+        Footprint(sight.footprint.mean + carry * (moved * sight.size.x), sight.footprint.covariance - less),
+        vec2(sight.place.x + moved, sight.place.y),
+        vec2(sight.size.x * inverseSqrt(kept), sight.size.y),
+    );
+}
+
+// Share of a footprint that lies on the card.
+fn card_share(place: vec2<f32>, size: vec2<f32>) -> f32 {
+    let low = place * size;
+    let high = size - low;
     let across = normal_share(low.x) + normal_share(high.x) - 1.0;
     let along = normal_share(low.y) + normal_share(high.y) - 1.0;
     return max(across, LEAST_CARD_SHARE) * max(along, LEAST_CARD_SHARE);
