@@ -105,6 +105,35 @@ fn worst_weight(c: &Coverage<f64>, truth: &[f64; 5]) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// The whole query on a feather of two equal vanes within a contour (reach and derivative by root) and no rachis, and the truth.
+fn outlined(
+    vane: PlainVane,
+    reach: &dyn Fn(f64) -> [f64; 2],
+    f: &Footprint<f64>,
+    view: [f64; 3],
+) -> (Coverage<f64>, [f64; 5]) {
+    let feather = PlainFeather {
+        vanes: [vane, vane],
+        rachis_radius: 0.0,
+        reach: &|_, root| reach(root)[0],
+    };
+    let l = covariance_root(f.covariance);
+    let truth = dense_shares(
+        SAMPLES,
+        |[a, b]| [f.mean[0] + l[0] * a, f.mean[1] + l[1] * a + l[2] * b],
+        |point| feather.hit(point, view),
+    );
+    let card = CardFeather {
+        vanes: [vane.vane().into(); 2],
+        rachis_radius: 0.0,
+        start: -1.0,
+        reach: |_, root| reach(root),
+        spacing: 1.0 / 255.0,
+    };
+    let c = cover(&card, f, 0.5, view, Lod::Mixed, &ErrorBudget::default());
+    (c, truth)
+}
+
 /// Error of the whole query across a contour (reach and derivative by root) on `count` footprints whose mean lies up to
 /// `depth` inside it, of deviations `exp(low)..exp(high)` barb periods.
 fn contour_error(
@@ -134,25 +163,7 @@ fn contour_error(
             mean: [x, root - x * cot],
             covariance: covariance(major, aspect, between(&mut random, 0.0, 3.2)),
         };
-        let feather = PlainFeather {
-            vanes: [vane, vane],
-            rachis_radius: 0.0,
-            reach: &|_, root| reach(root)[0],
-        };
-        let l = covariance_root(f.covariance);
-        let truth = dense_shares(
-            SAMPLES,
-            |[a, b]| [f.mean[0] + l[0] * a, f.mean[1] + l[1] * a + l[2] * b],
-            |point| feather.hit(point, view),
-        );
-        let card = CardFeather {
-            vanes: [vane.vane().into(); 2],
-            rachis_radius: 0.0,
-            start: -1.0,
-            reach: |_, root| reach(root),
-            spacing: 1.0 / 255.0,
-        };
-        let c = cover(&card, &f, 0.5, view, Lod::Mixed, &ErrorBudget::default());
+        let (c, truth) = outlined(vane, &reach, &f, view);
         let error = worst_weight(&c, &truth);
         if error > 0.02 {
             eprintln!(
@@ -223,25 +234,7 @@ fn across_both_vanes_at_the_tip() {
                 between(&mut random, -0.5, 0.5),
             ),
         };
-        let feather = PlainFeather {
-            vanes: [vane, vane],
-            rachis_radius: 0.0,
-            reach: &|_, root| reach(root)[0],
-        };
-        let l = covariance_root(f.covariance);
-        let truth = dense_shares(
-            SAMPLES,
-            |[a, b]| [f.mean[0] + l[0] * a, f.mean[1] + l[1] * a + l[2] * b],
-            |point| feather.hit(point, view),
-        );
-        let card = CardFeather {
-            vanes: [vane.vane().into(); 2],
-            rachis_radius: 0.0,
-            start: -1.0,
-            reach: |_, root| reach(root),
-            spacing: 1.0 / 255.0,
-        };
-        let c = cover(&card, &f, 0.5, view, Lod::Mixed, &ErrorBudget::default());
+        let (c, truth) = outlined(vane, &reach, &f, view);
         let sum = c.rachis + c.barb + c.distal + c.proximal;
         let error = (sum - truth[1..].iter().sum::<f64>()).abs();
         if error > 0.02 {

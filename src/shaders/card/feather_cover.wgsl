@@ -41,12 +41,6 @@ fn frame_of(in: FeatherVertex) -> Frame {
     return frame;
 }
 
-// Share of the fragment that lies on its card.
-fn own_share(in: FeatherVertex) -> f32 {
-    let place = vec2(in.world_normal.w, in.uv.y);
-    return card_share(place, card_size(dpdx(place), dpdy(place)));
-}
-
 // Coverage of the footprint by rachis, barbs, distal and proximal barbules, the vane that has most of it, `hook` and `open` of that vane
 // (VaneCover), and the footprint.
 struct Covered {
@@ -136,18 +130,18 @@ fn cover_means(
     shape: vec4<f32>,
     frame: Frame,
     mapped: f32,
-    seen: Footprint,
+    footprint: Footprint,
     edges: vec2<f32>,
 ) -> Covered {
-    let beside = beside_rachis(edges, seen);
+    let beside = beside_rachis(edges, footprint);
     let hidden = clamp(1.0 - beside.x - beside.y, 0.0, 1.0);
     var shares = map_vanes(mapped, hidden, beside);
     if (mapped < 0.0) {
-        shares = near_shares(base, shape, seen, beside);
+        shares = near_shares(base, shape, footprint, beside);
     }
-    let main = seen.mean.x > 0.5 * (edges.x + edges.y);
+    let main = footprint.mean.x > 0.5 * (edges.x + edges.y);
     if (shares.x + shares.y + hidden < LEAST_SHARE) {
-        return Covered(vec4(0.0), main, 1.0, 1.0, seen);
+        return Covered(vec4(0.0), main, 1.0, 1.0, footprint);
     }
     let hides = hidden * (1.0 - smooth_step(0.99, 1.0, in.uv.y));
     // In a loop, or the shader holds the vane twice; that of which more is asked comes last. Most fragments have nothing of the other one.
@@ -163,7 +157,7 @@ fn cover_means(
         let card = CardVane(shape_at(slot), rest.y, rest.z);
         // The right vane is the left one mirrored.
         let mirror = select(1.0, -1.0, right);
-        let mean = seen.mean * vec2(mirror, 1.0);
+        let mean = footprint.mean * vec2(mirror, 1.0);
         let root = barb_root(mean, barb_cotangent(card.shape.vane.sin_b, card.shape.vane.cos_b));
         let reach = contour_at(base, shape.z, root);
         let eye = frame.local_eye * vec3(mirror, 1.0, 1.0);
@@ -174,7 +168,7 @@ fn cover_means(
         vane = mean_vane(card, mean, select(reach.x, reach.y, right), share, eye);
 #endif
     }
-    return Covered(cover_feather(hides, other, vane.weights), main, vane.hook, vane.open, seen);
+    return Covered(cover_feather(hides, other, vane.weights), main, vane.hook, vane.open, footprint);
 }
 
 #ifndef ONLY_MEAN

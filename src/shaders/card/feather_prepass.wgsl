@@ -6,9 +6,11 @@
 #import bevy_pbr::prepass_bindings::previous_view_uniforms
 #endif
 #import bevy_plumage::{
-    anatomy::{barb_cotangent, barb_root, barbule_factor, canonical_footprint, contour_coverage, hooked, vane_start_coverage},
+    anatomy::{
+        barb_cotangent, barb_root, barbule_factor, canonical_footprint, card_share, card_size, contour_coverage, hooked, vane_start_coverage,
+    },
     feather_bindings::{contour_at, feather_at, feather_base, rachis_at, shape_at},
-    feather_cover::{cover, frame_of, own_share},
+    feather_cover::{cover, frame_of},
     feather_data as data,
     feather_io::{CardVertex, FeatherVertex, class_of},
     feather_opacity::{is_left_out, leaves_hole, moved_by},
@@ -48,7 +50,8 @@ fn shadow_opacity(in: FeatherVertex, base: u32, shape: vec4<f32>) -> f32 {
     let dx = dpdx(in.uv);
     let dy = dpdy(in.uv);
     let footprint = canonical_footprint(in.uv, dx, dy, rachis.x, rachis.y, shape.x);
-    let own = own_share(in);
+    let place = vec2(in.world_normal.w, in.uv.y);
+    let own = card_share(place, card_size(dpdx(place), dpdy(place)));
     if (abs(footprint.mean.x) < rachis.z) {
         return 1.0;
     }
