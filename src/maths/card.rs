@@ -67,15 +67,19 @@ pub fn card_size<T: Real>(dplace_dx: [T; 2], dplace_dy: [T; 2]) -> [T; 2] {
     })
 }
 
-/// The same where the pixel is wider than the card: no more of it than the card has, as a Gaussian with about the variance of its width.
-/// `carry`: way in canonical space of one deviation across the card. Otherwise a feather seen edge on, a twentieth of a pixel wide, is so
-/// small a share of what the footprint spans that errors of the outline are as large.
+/// The same where the pixel is wider than one side of the card, left or right of the shaft: no more of it than that side has, as a Gaussian
+/// with about the variance of its width. `carry`: way in canonical space of one deviation across the card. Otherwise a feather seen edge on, a
+/// twentieth of a pixel wide, is so small a share of what the footprint spans that errors of the outline are as large; and where a card is
+/// folded, one side is seen edge on and the other is not.
 pub fn narrowed<T: Real>(sight: &CardSight<T>, carry: [T; 2]) -> CardSight<T> {
     let one = T::one();
-    let times = real::<T>(12.0) / (sight.size[0] * sight.size[0]);
-    // Of the variance; a card of 5 pixels keeps 0.99 of it.
+    let half = real::<T>(0.5);
+    let side = half * sight.size[0];
+    let times = real::<T>(12.0) / (side * side);
+    // Of the variance; a side of 5 pixels keeps 0.99 of it.
     let kept = (one + times * times).sqrt().recip();
-    let moved = (real::<T>(0.5) - sight.place[0]) * (one - kept);
+    let middle = half * if sight.place[0] > half { real(1.5) } else { half };
+    let moved = (middle - sight.place[0]) * (one - kept);
     let way = moved * sight.size[0];
     let [x, y] = sight.footprint.mean;
     let [xx, xy, yy] = sight.footprint.covariance;

@@ -44,12 +44,13 @@ fn card_size(dplace_dx: vec2<f32>, dplace_dy: vec2<f32>) -> vec2<f32> {
     return inverseSqrt(max(0.25 * (dplace_dx * dplace_dx + dplace_dy * dplace_dy), vec2(1e-14)));
 }
 
-// The same where the pixel is wider than the card: no more of it than the card has. `carry`: way in canonical space of one deviation across
-// the card.
+// The same where the pixel is wider than one side of the card, left or right of its fold: no more of it than that side has. `carry`: way in
+// canonical space of one deviation across the card.
 fn narrowed(sight: CardSight, carry: vec2<f32>) -> CardSight {
-    let times = 12.0 / (sight.size.x * sight.size.x);
+    let side = 0.5 * sight.size.x;
+    let times = 12.0 / (side * side);
     let kept = inverseSqrt(1.0 + times * times);
-    let moved = (0.5 - sight.place.x) * (1.0 - kept);
+    let moved = (select(0.25, 0.75, sight.place.x > 0.5) - sight.place.x) * (1.0 - kept);
     let less = vec3(carry.xx, carry.y) * vec3(carry, carry.y) * (1.0 - kept);
     return CardSight(
         Footprint(sight.footprint.mean + carry * (moved * sight.size.x), sight.footprint.covariance - less),

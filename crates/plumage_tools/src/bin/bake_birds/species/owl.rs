@@ -293,7 +293,7 @@ const TRACTS: &[TractRow] = &[
     row("lesser_upper", &[LesserUpper], "covert", 320, 0, (17., 13.), (12., 12.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0xC09C6E, 0xBE9C71)),
     row("elbow", &[Elbow], "lesser", 60, 0, (15., 19.), (12., 15.), (1., 1.), (0.04, 6.), (0.1, 0.5, LESSER), (0xBE9C71, 0xBE9C71)),
     row("marginal_upper", &[MarginalUpper], "lesser", 630, 0, (8., 14.), (6., 8.), (4., 4.), (0.05, 16.), (0.3, 1100., HEAD), (0xD2B287, 0xC4A277)),
-    row("lesser_under", &[LesserUnder], "breast", 250, 6, (14., 28.), (11., 16.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0xF2ECE2, 0xF2ECE2)),
+    row("lesser_under", &[LesserUnder], "breast", 250, 6, (14., 28.), (11., 16.), (7., 7.), (0.06, 10.), (0.5, 1000., LESSER), (0xD2B287, 0xF2ECE2)),
     row("marginal_under", &[MarginalUnder], "breast", 340, 0, (4.5, 9.), (4.5, 7.), (3., 4.), (0.06, 15.), (0.3, 1100., HEAD), (0xE2CDAE, 0xF2ECE2)),
     row("femoral", &[Femoral], "leg", 210, 0, (26., 36.), (13., 17.), (6., 5.), (0.07, 22.), (0.05, 600., CONTOUR), (0xF2ECE2, 0xF2ECE2)),
     row("crural", &[Crural], "leg", 420, 0, (34., 24.), (13., 10.), (6., 5.), (0.06, 14.), (0.15, 500., CONTOUR), (0xF2ECE2, 0xEFE7DA)),
