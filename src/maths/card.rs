@@ -73,24 +73,26 @@ pub fn card_size<T: Real>(dplace_dx: [T; 2], dplace_dy: [T; 2]) -> [T; 2] {
 /// folded, one side is seen edge on and the other is not.
 pub fn narrowed<T: Real>(sight: &CardSight<T>, carry: [T; 2]) -> CardSight<T> {
     let one = T::one();
-    let half = real::<T>(0.5);
-    let side = half * sight.size[0];
-    let times = real::<T>(12.0) / (side * side);
-    // Of the variance; a side of 5 pixels keeps 0.99 of it.
-    let kept = (one + times * times).sqrt().recip();
-    let middle = half * if sight.place[0] > half { real(1.5) } else { half };
-    let moved = (middle - sight.place[0]) * (one - kept);
+    let square = sight.size[0] * sight.size[0];
+    let root = (square * square + real(EVEN_SIDE * EVEN_SIDE))
+        .sqrt()
+        .recip();
+    // Of the variance; a side of 5 pixels loses less than 0.01.
+    let lost = one - square * root;
+    let [across, along] = sight.place;
+    let left = real(if across > real(0.5) { 0.5 } else { 0.0 });
+    let moved = (real::<T>(0.25) - (across - left)) * lost;
     let way = moved * sight.size[0];
     let [x, y] = sight.footprint.mean;
     let [xx, xy, yy] = sight.footprint.covariance;
-    let less = |i: usize, j: usize| carry[i] * carry[j] * (one - kept);
+    let less = |i: usize, j: usize| carry[i] * carry[j] * lost;
     CardSight {
         footprint: Footprint {
             mean: [x + carry[0] * way, y + carry[1] * way],
             covariance: [xx - less(0, 0), xy - less(0, 1), yy - less(1, 1)],
         },
-        place: [sight.place[0] + moved, sight.place[1]],
-        size: [sight.size[0] / kept.sqrt(), sight.size[1]],
+        place: [across + moved, along],
+        size: [root.sqrt().recip(), sight.size[1]],
     }
 }
 
@@ -108,6 +110,9 @@ pub fn card_share<T: Real>(place: [T; 2], size: [T; 2]) -> T {
 
 /// Least share of a footprint between two edges of its card: a pixel whose center is beside the card by the half of its diagonal has 0.08.
 const LEAST_CARD_SHARE: f64 = 0.02;
+
+/// Square of a card's width in deviations of an even density over one of its sides.
+const EVEN_SIDE: f64 = 48.0;
 
 /// Coverages of the part of a footprint on the card, from those of the whole one and its [`card_share`]. Their sum is 1 at most.
 pub fn on_card<T: Real>(weights: [T; 4], share: T) -> [T; 4] {

@@ -30,6 +30,8 @@ fn canonical_footprint(
 
 // Least share of a footprint between two edges of its card.
 const LEAST_CARD_SHARE: f32 = 0.02;
+// Square of a card's width in deviations of an even density over one of its sides.
+const EVEN_SIDE: f32 = 48.0;
 
 // What a pixel sees of a card: the footprint, where its middle lies across and along the card (0 to 1), and how many deviations of that
 // place the card is wide and long.
@@ -47,15 +49,17 @@ fn card_size(dplace_dx: vec2<f32>, dplace_dy: vec2<f32>) -> vec2<f32> {
 // The same where the pixel is wider than one side of the card, left or right of its fold: no more of it than that side has. `carry`: way in
 // canonical space of one deviation across the card.
 fn narrowed(sight: CardSight, carry: vec2<f32>) -> CardSight {
-    let side = 0.5 * sight.size.x;
-    let times = 12.0 / (side * side);
-    let kept = inverseSqrt(1.0 + times * times);
-    let moved = (select(0.25, 0.75, sight.place.x > 0.5) - sight.place.x) * (1.0 - kept);
-    let less = vec3(carry.xx, carry.y) * vec3(carry, carry.y) * (1.0 - kept);
+    let square = sight.size.x * sight.size.x;
+    let root = inverseSqrt(square * square + EVEN_SIDE * EVEN_SIDE);
+    let lost = 1.0 - square * root;
+    let inward = sight.place.x - select(0.0, 0.5, sight.place.x > 0.5);
+    let moved = (0.25 - inward) * lost;
+    let way = carry * lost;
+    let less = vec3(way.xx, way.y) * vec3(carry, carry.y);
     return CardSight(
         Footprint(sight.footprint.mean + carry * (moved * sight.size.x), sight.footprint.covariance - less),
         vec2(sight.place.x + moved, sight.place.y),
-        vec2(sight.size.x * inverseSqrt(kept), sight.size.y),
+        vec2(inverseSqrt(root), sight.size.y),
     );
 }
 
