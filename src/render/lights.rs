@@ -10,8 +10,8 @@ pub const VERTEX_LIGHTS: usize = 2;
 /// Lights of the world.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub(super) struct WorldLights {
-    /// Unit vectors to the directional ones.
-    directions: Vec<Vec3>,
+    /// The directional ones: unit vectors to them, and how bright they are, lux.
+    suns: Vec<(Vec3, f32)>,
     /// Some of them are for some cameras only.
     layered: bool,
     /// There are point, spot or rectangle lights.
@@ -21,7 +21,7 @@ pub(super) struct WorldLights {
 impl WorldLights {
     /// Whether vertices can follow all of them.
     pub(super) fn are_followed(&self) -> bool {
-        self.directions.len() <= VERTEX_LIGHTS && !self.layered && !self.lamps
+        self.suns.len() <= VERTEX_LIGHTS && !self.layered && !self.lamps
     }
 
     /// Whether there are others than directional ones.
@@ -29,11 +29,12 @@ impl WorldLights {
         self.lamps
     }
 
-    /// (direction, 1) of each that is followed; where there is none, (up, 0).
+    /// Direction of each that is followed, and its share of their light; where there is none, or none but dark ones, (up, 0).
     pub(super) fn rows(&self) -> [Vec4; VERTEX_LIGHTS] {
-        array::from_fn(|i| {
-            let direction = self.directions.get(i);
-            direction.map_or(Vec4::Y, |direction| direction.extend(1.0))
+        let all: f32 = self.suns.iter().map(|(_, lux)| lux).sum();
+        array::from_fn(|i| match self.suns.get(i) {
+            Some((direction, lux)) if *lux > 0.0 => direction.extend(lux / all),
+            _ => Vec4::Y,
         })
     }
 }
@@ -44,13 +45,16 @@ type Layers = (With<RenderLayers>, With<DirectionalLight>);
 /// Finds the lights of this frame.
 pub(super) fn find_lights(
     mut found: ResMut<WorldLights>,
-    suns: Query<(&GlobalTransform, &InheritedVisibility), With<DirectionalLight>>,
+    suns: Query<(&GlobalTransform, &InheritedVisibility, &DirectionalLight)>,
     layered: Query<(), Layers>,
     lamps: Query<&InheritedVisibility, Or<(With<PointLight>, With<SpotLight>, With<RectLight>)>>,
 ) {
-    let shining = suns.iter().filter(|(_, visible)| visible.get());
+    let shining = suns.iter().filter(|(_, visible, _)| visible.get());
+    let lux = |sun: &DirectionalLight| sun.illuminance * sun.color.luminance();
     found.set_if_neq(WorldLights {
-        directions: shining.map(|(place, _)| *place.back()).collect(),
+        suns: shining
+            .map(|(place, _, sun)| (*place.back(), lux(sun)))
+            .collect(),
         layered: !layered.is_empty(),
         lamps: lamps.iter().any(|visible| visible.get()),
     });

@@ -105,7 +105,8 @@ fn light_between_vertices_is_off_by_as_much_as_is_said() {
             "{degrees} degrees: {found:?}"
         );
         // The rule that chooses cards knows which of them are worse.
-        let said = vertex_light_error(degrees, 0.0) / vertex_light_error(degrees, 0.9);
+        let of = |facing| vertex_light_error(degrees, facing, [facing; 2], [1.0, 0.0]);
+        let said = of(0.0) / of(0.9);
         assert!(
             along > 1.8 * facing && said > 1.8,
             "{along} and {facing}, said {said}"

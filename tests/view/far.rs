@@ -26,6 +26,9 @@ const LARGE: [View; 2] = [
     ("far", 2.5, most(0.15, 0.0005, [0.01, 0.05])),
 ];
 
+/// Under a second light from behind, as photographers put it: more cards lie along one of them.
+const RIMMED: [View; 1] = [("rimmed", 1.0, most(0.4, 0.003, [0.05, 0.085]))];
+
 /// Pixels of the fine raster along the side of one of the coarse one.
 const FINER: u32 = 8;
 /// Least and largest light of a coarse picture, share of the fine one's.
@@ -106,19 +109,36 @@ fn save(name: &str, (width, height): (u32, u32), bytes: Vec<u8>) {
     }
 }
 
+/// A light from behind the bird, two thirds as bright as the sun of the stage.
+fn light_from_behind(stage: &mut Stage, eye: Vec3) {
+    let world = stage.app.world_mut();
+    let mut suns = world.query::<&DirectionalLight>();
+    let sun = suns.single(world).unwrap();
+    let rim = DirectionalLight {
+        illuminance: sun.illuminance * 2.0 / 3.0,
+        ..sun.clone()
+    };
+    let toward = Vec3::new(-eye.z, 1.2, 0.3 * eye.x) - eye;
+    let place = Transform::from_translation(toward).looking_at(Vec3::ZERO, Vec3::Y);
+    world.spawn((rim, place));
+}
+
 /// Holds views of a size to their bounds; the settings change something in `least` of them.
-fn looks_exact((width, height): (u32, u32), views: [View; 2], least: usize) {
+fn looks_exact((width, height): (u32, u32), views: &[View], rim: bool, least: usize) {
     let Some(mut stage) = Stage::sized(width, height) else {
         return;
     };
     let (eye, target) = (Vec3::new(0.75, 0.25, 0.8), Vec3::new(0.0, 0.1, 0.0));
     let bird = perch(&mut stage, "parrot", eye, target);
     without_shadows(&mut stage);
+    if rim {
+        light_from_behind(&mut stage, eye);
+    }
     settle(&mut stage);
     draw(&mut stage, true);
     let mut changed = 0;
     for (name, away, most) in views {
-        let place = Transform::from_translation(target + away * (eye - target));
+        let place = Transform::from_translation(target + *away * (eye - target));
         let camera = stage.camera;
         let place = place.looking_at(target, Vec3::Y);
         stage.app.world_mut().entity_mut(camera).insert(place);
@@ -150,12 +170,17 @@ fn looks_exact((width, height): (u32, u32), views: [View; 2], least: usize) {
 
 #[test]
 fn a_bird_from_afar_looks_exact() {
-    looks_exact((240, 180), LARGE, 2);
+    looks_exact((240, 180), &LARGE, false, 2);
+}
+
+#[test]
+fn a_bird_under_two_lights_looks_exact() {
+    looks_exact((240, 180), &RIMMED, true, 1);
 }
 
 #[test]
 fn a_small_bird_looks_exact() {
-    looks_exact((96, 72), SMALL, 1);
+    looks_exact((96, 72), &SMALL, false, 1);
 }
 
 /// A bird 20 pixels high: what is beside the cards is left out once, not twice.

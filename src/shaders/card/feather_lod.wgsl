@@ -42,11 +42,11 @@ const LIT_FAR: f32 = 0.25;
 // Least vertices of a card that is lit at them: two columns and rows beside one another, for shaft and downy base.
 const LIT_VERTICES: u32 = 9u;
 
-// The least of the cosines between a card's normal and eye and lights.
-fn least_facing(normal: vec3<f32>, eye: vec3<f32>) -> f32 {
+// Of a card that turns by so many degrees between two vertices, with this normal.
+fn light_error(turn: f32, normal: vec3<f32>, eye: vec3<f32>) -> f32 {
     let lights = abs(vec2(dot(normal, lods::params.first_light.xyz), dot(normal, lods::params.second_light.xyz)));
-    let there = mix(vec2(1.0), lights, vec2(lods::params.first_light.w, lods::params.second_light.w));
-    return min(abs(dot(normal, eye)), min(there.x, there.y));
+    let shares = vec2(lods::params.first_light.w, lods::params.second_light.w);
+    return vertex_light_error(turn, abs(dot(normal, eye)), lights, shares);
 }
 
 fn base_of(card: data::Card) -> u32 {
@@ -97,7 +97,7 @@ fn classify_card(card: data::Card, vertex_count: u32, world_from_local: mat4x4<f
     let world_normal = normalize((world_from_local * vec4(card.normal, 0.0)).xyz);
     let step = pixel * select(depth, 1.0, is_orthographic);
     let pixels = feather_length * feather_length * card.width / max(card.length * step * step, 1e-12);
-    let error = vertex_light_error(data::card_turn(card.tint), least_facing(world_normal, eye_of(center))) / lods::params.light_budget;
+    let error = light_error(data::card_turn(card.tint), world_normal, eye_of(center)) / lods::params.light_budget;
     let period = max(max(vanes[0].p_b, vanes[0].d_bl), max(vanes[1].p_b, vanes[1].d_bl));
     let mean = minor / period * inverseSqrt(lods::params.threshold);
     // Twice the budget is too much for any of it.

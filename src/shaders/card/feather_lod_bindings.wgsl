@@ -7,6 +7,7 @@ struct LodParams {
     world_from_local: mat4x4<f32>,
     // Heights of the worn pose.
     worn: vec4<f32>,
+    // Of directional lights: unit vectors to them, and their shares of what comes from both; 0: there is none.
     first_light: vec4<f32>,
     second_light: vec4<f32>,
     card_count: u32,

@@ -231,7 +231,7 @@ fn light_vertex(placed: FeatherVertex) -> FeatherVertex {
     for (var i = 0u; i < VERTEX_LIGHTS; i++) {
         let there = motion[min(data::MOTION_LIGHTS + i, arrayLength(&motion) - 1u)];
         lights[i] = vec3(dot(there.xyz, frame.across), dot(there.xyz, frame.along), dot(there.xyz, frame.normal));
-        present[i] = there.w > 0.5;
+        present[i] = there.w > 0.0;
     }
     let first = data::octahedral_of(motion[min(data::MOTION_LIGHTS, arrayLength(&motion) - 1u)].xyz);
     let levels = textureNumLevels(albedo_texture);
