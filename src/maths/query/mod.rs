@@ -67,7 +67,7 @@ pub use shadow::{
     vane_eye, vane_ray, vane_shadow,
 };
 pub use split::{
-    Line, LineCut, MAX_OUTLINE_NODES, PARTS, Part, line_part, line_parts, line_share,
+    Line, LineCut, MAX_OUTLINE_NODES, PARTS, Part, ended_share, line_part, line_parts, line_share,
     outline_share, split_line,
 };
 pub use stripe::stripe_coverage;

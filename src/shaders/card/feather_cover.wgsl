@@ -13,7 +13,7 @@
     math::smooth_step,
     query_feather::{CardVane, LEAST_SHARE, Outline, VaneCover, cover_feather, cover_rachis, cover_vane, mean_stop, mean_vane, shows_vane},
     query_map::{MAP_SIZE, MapSight, map_border, map_place, map_sight, map_vanes},
-    query_split::{Line, line_share, outline_node, outline_root, outline_sight, rachis_line},
+    query_split::{Line, ended_share, line_share, outline_node, outline_root, outline_sight, rachis_line},
 }
 
 // The card's frame in the world and the eye in it.
@@ -198,7 +198,7 @@ fn cover_side(
     let reach = contour_at(base, shape.z, barb_root(footprint.mean, cotangent));
     var inside = max(mapped, 0.0);
     if (shows && mapped < 0.0) {
-        inside = outline_share(base, right, footprint, cotangent, shape.z);
+        inside = ended_share(outline_share(base, right, footprint, cotangent, shape.z));
     }
     let outline = Outline(select(reach.xz, reach.yw, right), inside);
     // The right vane is the left one mirrored.

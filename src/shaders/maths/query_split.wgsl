@@ -175,6 +175,11 @@ fn outline_node(s: OutlineSight, i: u32, reach: vec2<f32>) -> vec2<f32> {
     return normal_density(t) * vec2(1.0 - beyond, inside);
 }
 
+// Share of a pixel inside an outline, from that of its footprint: the Gaussian ends at two deviations.
+fn ended_share(share: f32) -> f32 {
+    return saturate((share - 0.0228) * 1.0477787);
+}
+
 // Share of a footprint that the rachis hides; `edges` from mask_rachis.
 fn rachis_share(f: Footprint, edges: vec2<f32>) -> f32 {
     let left = line_share(rachis_line(min(edges.x, edges.y)), f);
