@@ -435,11 +435,11 @@ fn a_pixel_ends() {
         }";
     let input: Vec<f32> = (0..=1000).map(|i| i as f32 / 1000.0).collect();
     let wanted: Vec<f32> = input.iter().map(|x| query::ended_share(*x)).collect();
-    assert!(wanted[22] == 0.0 && wanted[978] == 1.0 && wanted[500] == 0.5);
+    assert!(wanted[39] == 0.0 && wanted[41] > 0.0 && wanted[961] == 1.0);
     for (i, share) in wanted.iter().enumerate() {
         // Both sides of an outline alike, and nowhere far from the Gaussian.
         assert!((share + wanted[1000 - i] - 1.0).abs() < 1e-6, "{i}");
-        assert!((share - input[i]).abs() < 0.023, "{i}: {share}");
+        assert!((share - input[i]).abs() < 0.0401, "{i}: {share}");
     }
     let Some(result) = gpu::run(&FILES, text, &input, input.len(), input.len()) else {
         return;

@@ -267,15 +267,15 @@ pub fn outline_node<T: Real>(sight: &OutlineSight<T>, i: u32, reach: [T; 2]) -> 
     [weight * (T::one() - beyond), weight * inside]
 }
 
-/// Of a Gaussian, what lies beyond two deviations of a line.
-const BEYOND_TWO: f64 = 0.0228;
+/// Of a Gaussian, what lies beyond a line 1.75 deviations from its middle.
+const BEYOND_END: f64 = 0.04;
 
 /// Share of a pixel inside an outline, from that of its footprint: a Gaussian never ends, and where a feather is seen edge on, three of a
-/// hundred parts of it, a pixel beyond the tip, are dots. So it ends two deviations, one pixel, from its middle. What is lost outside of a
-/// straight outline is won inside.
+/// hundred parts of it, a pixel beyond the tip, are dots. So it ends 1.75 deviations, seven eighths of a pixel, from its middle. What is
+/// lost outside of a straight outline is won inside.
 pub fn ended_share<T: Real>(share: T) -> T {
-    let scale = T::of(1.0 / (1.0 - 2.0 * BEYOND_TWO));
-    clamp((share - T::of(BEYOND_TWO)) * scale, T::zero(), T::one())
+    let scale = T::of(1.0 / (1.0 - 2.0 * BEYOND_END));
+    clamp((share - T::of(BEYOND_END)) * scale, T::zero(), T::one())
 }
 
 /// Share inside an outline of what of a footprint lies on the left vane's side of the shaft: `reach` gives how far the barb from a root

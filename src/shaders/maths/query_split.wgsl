@@ -175,9 +175,9 @@ fn outline_node(s: OutlineSight, i: u32, reach: vec2<f32>) -> vec2<f32> {
     return normal_density(t) * vec2(1.0 - beyond, inside);
 }
 
-// Share of a pixel inside an outline, from that of its footprint: the Gaussian ends at two deviations.
+// Share of a pixel inside an outline, from that of its footprint: the Gaussian ends at 1.75 deviations.
 fn ended_share(share: f32) -> f32 {
-    return saturate((share - 0.0228) * 1.0477787);
+    return saturate((share - 0.04) * 1.0869565);
 }
 
 // Share of a footprint that the rachis hides; `edges` from mask_rachis.
