@@ -113,10 +113,10 @@ fn save(name: &str, (width, height): (u32, u32), bytes: Vec<u8>) {
 fn light_from_behind(stage: &mut Stage, eye: Vec3) {
     let world = stage.app.world_mut();
     let mut suns = world.query::<&DirectionalLight>();
-    let sun = suns.single(world).unwrap();
+    let sun = *suns.single(world).unwrap();
     let rim = DirectionalLight {
         illuminance: sun.illuminance * 2.0 / 3.0,
-        ..sun.clone()
+        ..sun
     };
     let toward = Vec3::new(-eye.z, 1.2, 0.3 * eye.x) - eye;
     let place = Transform::from_translation(toward).looking_at(Vec3::ZERO, Vec3::Y);
