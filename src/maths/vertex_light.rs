@@ -14,7 +14,7 @@ pub fn grazing_error<T: Real>(half_turn: T, facing: T) -> T {
 }
 
 /// Typical error of the light, as a share of white, of a card whose normals turn by `turn` degrees between two vertices. `eye` and `lights`:
-/// cosines between its normal and them, 0..1; `shares`: of all light, each light's, 0..1.
+/// cosines between its normal and them, 0..1; `shares`: of what comes from both, each light's, 0..1; 0: there is none.
 ///
 /// It grows with the turn, and where eye or light pass along the card ([`grazing_error`]): a light by no more than what comes from it.
 pub fn vertex_light_error<T: Real>(turn: T, eye: T, lights: [T; 2], shares: [T; 2]) -> T {

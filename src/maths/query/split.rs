@@ -272,7 +272,7 @@ const BEYOND_END: f64 = 0.04;
 
 /// Share of a pixel inside an outline, from that of its footprint: a Gaussian never ends, and where a feather is seen edge on, three of a
 /// hundred parts of it, a pixel beyond the tip, are dots. So it ends 1.75 deviations, seven eighths of a pixel, from its middle. What is
-/// lost outside of a straight outline is won inside.
+/// lost outside of a straight outline is won inside. Shaders ask it of near feathers; queries on the processor see the whole Gaussian.
 pub fn ended_share<T: Real>(share: T) -> T {
     let scale = T::of(1.0 / (1.0 - 2.0 * BEYOND_END));
     clamp((share - T::of(BEYOND_END)) * scale, T::zero(), T::one())
