@@ -6,7 +6,7 @@ use bevy_plumage::anatomy::{Albedo, Bars, Pattern, Spot};
 
 const DOWN: u32 = 0xE8E2D8;
 /// Down at the base of the coat's feathers, shaded by those above.
-const BASE: u32 = 0xB4AAA0;
+const BASE: u32 = 0xCCC2B6;
 const WHITE: u32 = 0xF2ECE2;
 const GOLD: u32 = 0xB8976C;
 /// Grey of the veil that lies over the gold: vermiculated in life.

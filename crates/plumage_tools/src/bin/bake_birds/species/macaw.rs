@@ -351,7 +351,7 @@ const ROWS: &[RowLook] = &[
     look("under_median_primary", "lesser", 10, (40., 28.), (20., 16.), (4., 0.06, 8.), (3, 2), (0xA8381F, 0xA8381F)),
     look("under_median_secondary", "lesser", 12, (45., 32.), (20., 22.), (4., 0.06, 8.), (3, 2), (0xA8381F, 0xA8381F)),
     look("axillaries", "soft", 9, (50., 80.), (20., 26.), (5., 0.05, 5.), (4, 2), (0xB03020, 0xB03020)),
-    look("rectrices", "rectrix", 6, (0., 0.), (34., 30.), (0., 0.12, 4.), (18, 4), (0xB42A1C, 0xB0301E)),
+    look("rectrices", "rectrix", 6, (0., 0.), (34., 30.), (0., 0.09, 4.), (18, 4), (0xB42A1C, 0xB0301E)),
 ];
 
 /// Lengths that are listed one by one: primaries P1..P10, secondaries then tertials, rectrices R1..R6.
