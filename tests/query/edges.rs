@@ -3,7 +3,7 @@
 
 use bevy_plumage::maths::Footprint;
 use bevy_plumage::maths::query::{
-    CardFeather, Coverage, ErrorBudget, Lod, cover, feather_coverage,
+    CardFeather, Component, Coverage, ErrorBudget, Lod, cover, feather_coverage,
 };
 use plumage_tests::{
     geometry::{PlainFeather, PlainVane, covariance_root, dense_shares},
@@ -316,4 +316,56 @@ fn on_a_foreshortened_card() {
     let [rms, p99, max] = statistics(&errors);
     eprintln!("on a foreshortened card: RMS {rms:.4}, P99 {p99:.4}, max {max:.4}");
     assert!(max <= 0.016, "{max}");
+}
+
+/// Height at which half of the rachis is left.
+const END: f64 = 0.995;
+
+/// A feather of a rachis alone, which ends where the card does.
+#[test]
+fn where_the_rachis_ends() {
+    let mut random = Pcg64Mcg::seed_from_u64(71);
+    let bare = PlainVane::random(&mut random);
+    let mut errors = Vec::new();
+    let mut beyond = 0.0_f64;
+    for _ in 0..400 {
+        let radius = between(&mut random, 0.002, 0.01);
+        let major = radius * between(&mut random, 1.0, 20.0);
+        let aspect = 2f64.powf(between(&mut random, 2.0, 5.0));
+        let x = between(&mut random, -2.0, 2.0) * major;
+        let y = between(&mut random, 0.8, 1.1);
+        let f = Footprint {
+            mean: [x, y],
+            covariance: covariance(major, aspect, between(&mut random, 0.0, 3.2)),
+        };
+        let l = covariance_root(f.covariance);
+        let [_, truth, _, _, _] = dense_shares(
+            SAMPLES,
+            |[a, b]| [x + l[0] * a, y + l[1] * a + l[2] * b],
+            |[x, y]| {
+                if x.abs() > radius || y > END {
+                    Component::None
+                } else {
+                    Component::Rachis
+                }
+            },
+        );
+        let card = CardFeather {
+            vanes: [bare.vane().into(); 2],
+            rachis_radius: radius,
+            start: -1.0,
+            reach: |_, _| [0.0; 2],
+            spacing: 1.0 / 255.0,
+        };
+        let budget = ErrorBudget::default();
+        let c = cover(&card, &f, y, [0.0, 0.0, 1.0], Lod::Mixed, &budget);
+        if truth == 0.0 {
+            beyond = beyond.max(c.rachis);
+        }
+        errors.push((c.rachis - truth).abs());
+    }
+    let [rms, p99, max] = statistics(&errors);
+    eprintln!("end of the rachis: RMS {rms:.4}, P99 {p99:.4}, max {max:.4}, beyond it {beyond:.4}");
+    assert!(rms <= 0.015, "{rms}");
+    assert!(beyond <= 0.004, "{beyond}");
 }

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::maths::{
     card::{barb_cotangent, barb_root, barbule_factor, hooked, vane_start_coverage},
-    footprint::Footprint,
+    footprint::{Footprint, LEAST_VARIANCE},
     functions::{Real, smooth_step},
 };
 
@@ -194,9 +194,17 @@ pub fn mean_stop<T: Real>(card: &CardVane<T>, mean: [T; 2], reach: T, share: T, 
     share.max(T::zero()) * vane_stop(&shape, &storeys(&shape, view))
 }
 
-/// Share of a footprint at height `v` that the rachis hides, which ends where the card does.
+/// What there is of the rachis, 0..1, where a footprint at height `v` meets it: it ends where the card does. A slanting footprint
+/// meets it higher or lower than its middle: at the mean of its height there.
+pub fn rachis_left<T: Real>(footprint: &Footprint<T>, v: T) -> T {
+    let [xx, xy, _] = footprint.covariance;
+    let height = v - footprint.mean[0] * xy / xx.max(T::of(LEAST_VARIANCE));
+    T::one() - smooth_step(T::of(0.99), T::one(), height)
+}
+
+/// Share of a footprint at height `v` that the rachis hides.
 pub fn cover_rachis<T: Real>(footprint: &Footprint<T>, edges: [T; 2], v: T) -> T {
-    rachis_share(footprint, edges) * (T::one() - smooth_step(T::of(0.99), T::one(), v))
+    rachis_share(footprint, edges) * rachis_left(footprint, v)
 }
 
 /// Rachis and both vanes ([`cover_vane`]) as shares that sum to at most 1: differences of parts may leave a little too much.
@@ -274,5 +282,12 @@ pub fn feather_coverage<T: Real>(
         reach: |_, _| [T::of(ENDLESS), T::zero()],
         spacing: T::one(),
     };
-    cover(&feather, footprint, T::zero(), view, Lod::Mixed, budget)
+    cover(
+        &feather,
+        footprint,
+        T::of(-ENDLESS),
+        view,
+        Lod::Mixed,
+        budget,
+    )
 }

@@ -10,8 +10,7 @@
     feather_io::FeatherVertex,
     footprint::{Footprint, mirrored, widened},
     masking::mask_rachis,
-    math::smooth_step,
-    query_feather::{CardVane, LEAST_SHARE, Outline, VaneCover, cover_feather, cover_rachis, cover_vane, mean_stop, mean_vane, shows_vane},
+    query_feather::{CardVane, LEAST_SHARE, Outline, VaneCover, cover_feather, cover_rachis, cover_vane, mean_stop, mean_vane, rachis_left, shows_vane},
     query_map::{MAP_SIZE, MapSight, map_border, map_place, map_sight, map_vanes},
     query_split::{Line, ended_share, line_share, outline_node, outline_root, outline_sight, rachis_line},
 }
@@ -143,7 +142,7 @@ fn cover_means(
     if (shares.x + shares.y + hidden < LEAST_SHARE) {
         return Covered(vec4(0.0), main, 1.0, 1.0, footprint);
     }
-    let hides = hidden * (1.0 - smooth_step(0.99, 1.0, in.uv.y));
+    let hides = hidden * rachis_left(footprint, in.uv.y);
     // In a loop, or the shader holds the vane twice; that of which more is asked comes last. Most fragments have nothing of the other one.
     var other = vec3(0.0);
     var vane = VaneCover();
@@ -172,14 +171,15 @@ fn cover_means(
 }
 
 #ifndef ONLY_MEAN
-// One vane (`right` or left) beside the rachis, whose edge is at x = edge; the footprint is over the left vane or mirrored there.
-// `main`: it has most of the footprint, and what the eye sees of it is asked for even where that is nothing. `mapped`: share of what is
+// One vane (`right` or left) beside the rachis, whose edge is at x = edge; the footprint is over the left vane or mirrored there,
+// `seen` the same before it was widened: wide ones reach beyond the tip. `main`: it has most of the footprint, and what the eye sees of it is asked for even where that is nothing. `mapped`: share of what is
 // beside the rachis inside the outline, or -1.
 fn cover_side(
     base: u32,
     right: bool,
     main: bool,
     footprint: Footprint,
+    seen: Footprint,
     edge: f32,
     frame: Frame,
     shape: vec4<f32>,
@@ -198,7 +198,7 @@ fn cover_side(
     let reach = contour_at(base, shape.z, barb_root(footprint.mean, cotangent));
     var inside = max(mapped, 0.0);
     if (shows && mapped < 0.0) {
-        inside = ended_share(outline_share(base, right, footprint, cotangent, shape.z));
+        inside = ended_share(outline_share(base, right, seen, cotangent, shape.z));
     }
     let outline = Outline(select(reach.xz, reach.yw, right), inside);
     // The right vane is the left one mirrored.
@@ -240,9 +240,13 @@ fn cover_parts(
     for (var i = 0u; i < 2u; i++) {
         let right = main == (i == 1u);
         var side = footprint;
-        if (right) { side = mirrored(footprint); }
+        var side_seen = seen;
+        if (right) {
+            side = mirrored(footprint);
+            side_seen = mirrored(seen);
+        }
         other = vane.weights;
-        vane = cover_side(base, right, i == 1u, side, select(edges.x, -edges.y, right), frame, shape, level, vanes);
+        vane = cover_side(base, right, i == 1u, side, side_seen, select(edges.x, -edges.y, right), frame, shape, level, vanes);
     }
     let weights = cover_feather(cover_rachis(footprint, edges, uv.y), other, vane.weights);
     return Covered(weights, main, vane.hook, vane.open, footprint);

@@ -4,7 +4,7 @@
 
 #import bevy_plumage::anatomy::{barb_cotangent, barbule_factor, hooked, vane_start_coverage}
 #import bevy_plumage::coverage_method::{part_coverage, resolves_parts}
-#import bevy_plumage::footprint::{Footprint}
+#import bevy_plumage::footprint::{Footprint, LEAST_VARIANCE}
 #import bevy_plumage::masking::{VaneShape, barb_strip, seen_cell, storeys, vane_stop}
 #import bevy_plumage::math::{smooth_step}
 #import bevy_plumage::query::{LOD_MEAN, vane_coverage}
@@ -147,9 +147,16 @@ fn mean_stop(card: CardVane, mean: vec2<f32>, reach: f32, share: f32, view: vec3
     return max(share, 0.0) * vane_stop(shape, storeys(shape, view));
 }
 
-// Share of a footprint at height `v` that the rachis hides, which ends where the card does.
+// What there is of the rachis where a footprint at height `v` meets it: it ends where the card does. A slanting footprint meets it
+// higher or lower than its middle.
+fn rachis_left(footprint: Footprint, v: f32) -> f32 {
+    let height = v - footprint.mean.x * footprint.covariance.y / max(footprint.covariance.x, LEAST_VARIANCE);
+    return 1.0 - smooth_step(0.99, 1.0, height);
+}
+
+// Share of a footprint at height `v` that the rachis hides.
 fn cover_rachis(footprint: Footprint, edges: vec2<f32>, v: f32) -> f32 {
-    return rachis_share(footprint, edges) * (1.0 - smooth_step(0.99, 1.0, v));
+    return rachis_share(footprint, edges) * rachis_left(footprint, v);
 }
 
 // Rachis and both vanes (cover_vane) as shares that sum to at most 1: differences of parts may leave a little too much.

@@ -307,9 +307,9 @@ const SKIN: &[(&[Tract], u32)] = &[
 /// Scattered tracts.
 #[rustfmt::skip]
 const TRACTS: &[TractRow] = &[
-    row("crown", &[Crown], "head", 480, 0, (12., 26.), (6., 9.), (10., 7.), (0.06, 10.), (0.1, 1800., HEAD), (0x5C4A38, 0x9E7A50)),
+    row("crown", &[Crown], "head", 480, 0, (12., 26.), (6., 9.), (10., 7.), (0.06, 10.), (0.1, 1800., HEAD), (0x54422F, 0x9E7A50)).varied(0.15),
     row("nape", &[Nape], "hackle", 150, 0, (35., 60.), (10., 14.), (9., 9.), (0.12, 10.), (0.15, 1700., CONTOUR), (0xB88F5B, 0xB88F5B)),
-    row("face", &[Cheek, Lore], "head", 956, 0, (8., 24.), (5.5, 9.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0x4E4033, 0x3E3228)),
+    row("face", &[Cheek, Lore], "head", 956, 0, (8., 24.), (5.5, 9.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0x463A2E, 0x6E573C)).varied(0.18),
     row("lore", &[Lore], "bristle", 70, 0, (6., 12.), (1., 1.5), (25., 25.), (0., 0.), (0.5, 1950., (2, 1)), (0x382F27, 0x382F27)),
     row("neck_dorsal", &[NeckDorsal], "hackle", 280, 0, (40., 62.), (13., 19.), (9., 9.), (0.08, 12.), (0.2, 1600., CONTOUR), (0x745A3C, 0x463A2F)),
     row("neck_ventral", &[NeckVentral], "body", 300, 0, (26., 56.), (14., 24.), (9., 9.), (0.08, 14.), (0.2, 1600., CONTOUR), (0x745F48, 0x745C47)).varied(0.15),
@@ -332,7 +332,7 @@ const TRACTS: &[TractRow] = &[
     row("marginal_under", &[MarginalUnder], "head", 430, 0, (10., 26.), (8., 15.), (1., 1.), (0.08, 8.), (0.1, 1100., HEAD), (0x4F4237, 0x4F4237)),
     row("femoral", &[Femoral], "trouser", 210, 0, (50., 72.), (26., 34.), (6., 5.), (0.07, 22.), (0.05, 600., CONTOUR), (0x735B44, 0x745D45)),
     row("crural", &[Crural], "trouser", 430, 0, (72., 56.), (27., 22.), (6., 5.), (0.06, 14.), (0.15, 500., CONTOUR), (0x755D45, 0x786048)),
-    row("tarsal", &[Tarsal], "tarsal", 300, 0, (34., 20.), (20., 14.), (7., 6.), (0.06, 14.), (0.05, 480., LESSER), (0x6E5D4C, 0x6E5D4C)),
+    row("tarsal", &[Tarsal], "tarsal", 300, 0, (34., 20.), (20., 14.), (7., 6.), (0.06, 14.), (0.05, 480., LESSER), (0x6A5641, 0x8A745A)).varied(0.25),
 ];
 
 /// Rows.
