@@ -16,7 +16,7 @@ use super::{
 use crate::maths::{
     card::{barb_cotangent, barb_root, barbule_factor, hooked, vane_start_coverage},
     footprint::{Footprint, LEAST_VARIANCE},
-    functions::{Real, smooth_step},
+    functions::{Real, clamp},
 };
 
 /// A vane that shows less of a footprint than this is left out.
@@ -194,12 +194,12 @@ pub fn mean_stop<T: Real>(card: &CardVane<T>, mean: [T; 2], reach: T, share: T, 
     share.max(T::zero()) * vane_stop(&shape, &storeys(&shape, view))
 }
 
-/// What there is of the rachis, 0..1, where a footprint at height `v` meets it: it ends where the card does. A slanting footprint
+/// What there is of the rachis, 0..1, where a footprint at height `v` meets it: over the last hundredth of the card it ends. A slanting footprint
 /// meets it higher or lower than its middle: at the mean of its height there.
 pub fn rachis_left<T: Real>(footprint: &Footprint<T>, v: T) -> T {
     let [xx, xy, _] = footprint.covariance;
     let height = v - footprint.mean[0] * xy / xx.max(T::of(LEAST_VARIANCE));
-    T::one() - smooth_step(T::of(0.99), T::one(), height)
+    clamp(T::of(100.0) * (T::one() - height), T::zero(), T::one())
 }
 
 /// Share of a footprint at height `v` that the rachis hides.

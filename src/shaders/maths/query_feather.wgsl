@@ -6,7 +6,6 @@
 #import bevy_plumage::coverage_method::{part_coverage, resolves_parts}
 #import bevy_plumage::footprint::{Footprint, LEAST_VARIANCE}
 #import bevy_plumage::masking::{VaneShape, barb_strip, seen_cell, storeys, vane_stop}
-#import bevy_plumage::math::{smooth_step}
 #import bevy_plumage::query::{LOD_MEAN, vane_coverage}
 #import bevy_plumage::query_split::{line_part, line_rest, line_share, outline_line, rachis_line, rachis_share, split_line}
 
@@ -147,11 +146,11 @@ fn mean_stop(card: CardVane, mean: vec2<f32>, reach: f32, share: f32, view: vec3
     return max(share, 0.0) * vane_stop(shape, storeys(shape, view));
 }
 
-// What there is of the rachis where a footprint at height `v` meets it: it ends where the card does. A slanting footprint meets it
+// What there is of the rachis where a footprint at height `v` meets it: over the last hundredth of the card it ends. A slanting footprint meets it
 // higher or lower than its middle.
 fn rachis_left(footprint: Footprint, v: f32) -> f32 {
     let height = v - footprint.mean.x * footprint.covariance.y / max(footprint.covariance.x, LEAST_VARIANCE);
-    return 1.0 - smooth_step(0.99, 1.0, height);
+    return saturate(100.0 * (1.0 - height));
 }
 
 // Share of a footprint at height `v` that the rachis hides.
