@@ -158,9 +158,9 @@ fn whole_query() {
             let notch = outline.z * exp(-0.5 * t * t);
             return vec2(outline.x * (1.0 - notch) + outline.y * (root - 0.5), outline.x * notch * t / 0.02 + outline.y);
         }
-        fn side(card: CardVane, start: f32, contour: vec3<f32>, f: Footprint, edge: f32, view: vec3<f32>, lod: u32) -> vec3<f32> {
+        fn side(card: CardVane, start: f32, contour: vec3<f32>, f: Footprint, seen: Footprint, edge: f32, view: vec3<f32>, lod: u32) -> vec3<f32> {
             let cotangent = barb_cotangent(card.shape.vane.sin_b, card.shape.vane.cos_b);
-            let sight = outline_sight(f, cotangent, 1.0 / 255.0);
+            let sight = outline_sight(seen, cotangent, 1.0 / 255.0);
             var nodes = vec2(0.0);
             for (var j = 0u; j < sight.count; j++) {
                 nodes += outline_node(sight, j, reach_at(contour, outline_root(sight, j)));
@@ -180,8 +180,8 @@ fn whole_query() {
             let lod = u32(input[a + 24u]);
             let wide = widened(f).footprint;
             let edges = mask_rachis(input[a + 17u], view);
-            let left = side(card, start, contour, wide, edges.x, view, lod);
-            let right = side(card, start, contour, mirrored(wide), -edges.y, view * vec3(-1.0, 1.0, 1.0), lod);
+            let left = side(card, start, contour, wide, f, edges.x, view, lod);
+            let right = side(card, start, contour, mirrored(wide), mirrored(f), -edges.y, view * vec3(-1.0, 1.0, 1.0), lod);
             let w = cover_feather(cover_rachis(wide, edges, f.mean.y), left, right);
             output[5u * i] = w.x;
             output[5u * i + 1u] = w.y;

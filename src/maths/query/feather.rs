@@ -194,8 +194,8 @@ pub fn mean_stop<T: Real>(card: &CardVane<T>, mean: [T; 2], reach: T, share: T, 
     share.max(T::zero()) * vane_stop(&shape, &storeys(&shape, view))
 }
 
-/// What there is of the rachis, 0..1, where a footprint at height `v` meets it: over the last hundredth of the card it ends. A slanting footprint
-/// meets it higher or lower than its middle: at the mean of its height there.
+/// What there is of the rachis, 0..1, where a footprint at height `v` meets it: over the last hundredth of the card it ends. A slanting
+/// footprint meets it higher or lower than its middle: at the mean of its height there.
 pub fn rachis_left<T: Real>(footprint: &Footprint<T>, v: T) -> T {
     let [xx, xy, _] = footprint.covariance;
     let height = v - footprint.mean[0] * xy / xx.max(T::of(LEAST_VARIANCE));
@@ -230,13 +230,14 @@ pub fn cover<T: Real>(
 ) -> Coverage<T> {
     let (f, _) = footprint.widened();
     let edges = mask_rachis(feather.rachis_radius, view);
-    let side = |side: usize, f: &Footprint<T>, edge: T, view: [T; 3]| {
+    // The outline is asked about the footprint as it is: widened, it reaches beyond the tip.
+    let side = |side: usize, [f, seen]: [&Footprint<T>; 2], edge: T, view: [T; 3]| {
         let card = &feather.vanes[side];
         let cotangent = barb_cotangent(card.vane.sin_b, card.vane.cos_b);
         let reach = |root: T| (feather.reach)(side, root);
         let outline = Outline {
             reach: reach(barb_root(f.mean, cotangent)),
-            share: outline_share(f, cotangent, feather.spacing, reach),
+            share: outline_share(seen, cotangent, feather.spacing, reach),
         };
         let start = feather.start;
         cover_vane(
@@ -251,8 +252,9 @@ pub fn cover<T: Real>(
             budget,
         )
     };
-    let left = side(0, &f, edges[0], view);
-    let right = side(1, &f.mirrored(), -edges[1], [-view[0], view[1], view[2]]);
+    let left = side(0, [&f, footprint], edges[0], view);
+    let mirrored = [&f.mirrored(), &footprint.mirrored()];
+    let right = side(1, mirrored, -edges[1], [-view[0], view[1], view[2]]);
     let [rachis, barb, distal, proximal] = cover_feather(cover_rachis(&f, edges, v), left, right);
     Coverage {
         rachis,

@@ -172,8 +172,8 @@ fn cover_means(
 
 #ifndef ONLY_MEAN
 // One vane (`right` or left) beside the rachis, whose edge is at x = edge; the footprint is over the left vane or mirrored there,
-// `seen` the same before it was widened: wide ones reach beyond the tip. `main`: it has most of the footprint, and what the eye sees of it is asked for even where that is nothing. `mapped`: share of what is
-// beside the rachis inside the outline, or -1.
+// `seen` the same before it was widened: wide ones reach beyond the tip. `main`: it has most of the footprint, and what the eye sees of
+// it is asked for even where that is nothing. `mapped`: share of what is beside the rachis inside the outline, or -1.
 fn cover_side(
     base: u32,
     right: bool,

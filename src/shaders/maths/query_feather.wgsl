@@ -146,8 +146,8 @@ fn mean_stop(card: CardVane, mean: vec2<f32>, reach: f32, share: f32, view: vec3
     return max(share, 0.0) * vane_stop(shape, storeys(shape, view));
 }
 
-// What there is of the rachis where a footprint at height `v` meets it: over the last hundredth of the card it ends. A slanting footprint meets it
-// higher or lower than its middle.
+// What there is of the rachis where a footprint at height `v` meets it: over the last hundredth of the card it ends. A slanting
+// footprint meets it higher or lower than its middle.
 fn rachis_left(footprint: Footprint, v: f32) -> f32 {
     let height = v - footprint.mean.x * footprint.covariance.y / max(footprint.covariance.x, LEAST_VARIANCE);
     return saturate(100.0 * (1.0 - height));
