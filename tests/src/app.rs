@@ -31,13 +31,15 @@ use std::{
 /// Side of the test pictures.
 pub const SIZE: u32 = 96;
 
-/// One frame of an app, finished on the GPU; fails if the renderer has stopped.
+/// One frame of an app, drawn [`gpu::together`] and finished; fails if the renderer has stopped.
 pub fn frame(app: &mut App) {
-    app.update();
-    let device = app.world().resource::<RenderDevice>();
-    let _ = device.wgpu_device().poll(PollType::Wait {
-        submission_index: None,
-        timeout: None,
+    gpu::together(|| {
+        app.update();
+        let device = app.world().resource::<RenderDevice>();
+        let _ = device.wgpu_device().poll(PollType::Wait {
+            submission_index: None,
+            timeout: None,
+        });
     });
     assert!(app.should_exit().is_none(), "the renderer stopped");
 }
@@ -92,10 +94,48 @@ pub fn screenshot(app: &mut App, image: Handle<Image>) -> Image {
     })
 }
 
+/// An app with a device of its own, which is made and dropped [`gpu::alone`].
+#[derive(Deref, DerefMut)]
+pub struct DrawingApp(App);
+
+impl DrawingApp {
+    /// Off screen, with the plugins of this package, one frame after the other and pipelines compiled when they are first asked
+    /// for; `build` has a hand in it before it starts. None where [`gpu::device`] is.
+    pub fn start(settings: WgpuSettings, build: impl FnOnce(&mut App)) -> Option<Self> {
+        gpu::device()?;
+        let render = RenderPlugin {
+            synchronous_pipeline_compilation: true,
+            render_creation: RenderCreation::Automatic(Box::new(settings)),
+            ..default()
+        };
+        gpu::alone(|| {
+            let mut app = App::new();
+            app.add_plugins((
+                headless::plugins(render).disable::<PipelinedRenderingPlugin>(),
+                PlumagePlugins,
+            ))
+            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
+                16,
+            )))
+            .insert_resource(ClearColor(Color::BLACK));
+            build(&mut app);
+            headless::finish(&mut app);
+            Some(Self(app))
+        })
+    }
+}
+
+impl Drop for DrawingApp {
+    fn drop(&mut self) {
+        let app = std::mem::replace(&mut self.0, App::empty());
+        gpu::alone(|| drop(app));
+    }
+}
+
 /// An app with an off-screen camera that looks along -z at the origin.
 pub struct Stage {
     /// The app.
-    pub app: App,
+    pub app: DrawingApp,
     /// What the camera draws to.
     pub image: Handle<Image>,
     /// The camera.
@@ -125,24 +165,10 @@ impl Stage {
         (width, height): (u32, u32),
         build: impl FnOnce(&mut App),
     ) -> Option<Self> {
-        gpu::device()?;
-        let mut app = App::new();
-        app.add_plugins((
-            headless::plugins(RenderPlugin {
-                synchronous_pipeline_compilation: true,
-                render_creation: RenderCreation::Automatic(Box::new(settings)),
-                ..default()
-            })
-            .disable::<PipelinedRenderingPlugin>(),
-            RenderDiagnosticsPlugin,
-            PlumagePlugins,
-        ));
-        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
-            16,
-        )))
-        .insert_resource(ClearColor(Color::BLACK));
-        build(&mut app);
-        headless::finish(&mut app);
+        let mut app = DrawingApp::start(settings, |app| {
+            app.add_plugins(RenderDiagnosticsPlugin);
+            build(app);
+        })?;
         let mut image =
             Image::new_target_texture(width, height, TextureFormat::Rgba8UnormSrgb, None);
         image.texture_descriptor.usage |= TextureUsages::COPY_SRC;

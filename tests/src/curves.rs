@@ -1,12 +1,8 @@
 //! One feather twice: drawn by the plugin off screen in linear color, and cast as explicit curves. Shared by the test and
 //! the example `explicit_curves`.
 
-use crate::{
-    app::{frames, screenshot},
-    gpu,
-};
+use crate::app::{DrawingApp, frames, screenshot};
 use bevy::{
-    app::PluginsState,
     asset::RenderAssetUsages,
     camera::{Exposure, Hdr, RenderTarget, ScalingMode, visibility::NoFrustumCulling},
     core_pipeline::tonemapping::{DebandDither, Tonemapping},
@@ -14,19 +10,14 @@ use bevy::{
     mesh::{Indices, PrimitiveTopology},
     prelude::*,
     render::{
-        RenderPlugin,
-        pipelined_rendering::PipelinedRenderingPlugin,
         render_resource::{TextureFormat, TextureUsages},
+        settings::WgpuSettings,
     },
-    time::TimeUpdateStrategy,
-    window::ExitCondition,
-    winit::WinitPlugin,
 };
 use bevy_plumage::groom::{Card, CardGeometry, PlumageCards};
 use bevy_plumage::prelude::*;
 use plumage_reference::curves::{CurveCamera, CurveOptions, CurveShader, Curves};
 use rayon::prelude::*;
-use std::time::Duration;
 
 /// Region color of the card, linear RGB, as ten bits a channel hold it.
 pub const TINT: [f64; 3] = [0.55, 0.09, 0.04];
@@ -173,7 +164,7 @@ impl Difference {
 
 /// The plugin's side: an app with one flat card, an orthographic camera and one light.
 pub struct Studio {
-    app: App,
+    app: DrawingApp,
     image: Handle<Image>,
     camera: Entity,
     light: Entity,
@@ -181,38 +172,14 @@ pub struct Studio {
 }
 
 impl Studio {
-    /// An app that draws `feather` on a card one metre long, `size` pixels square; None where [`gpu::device`] is.
+    /// An app that draws `feather` on a card one metre long, `size` pixels square; None where [`crate::gpu::device`] is.
     pub fn new(feather: Feather, size: u32, settings: FeatherSettings) -> Option<Self> {
-        gpu::device()?;
-        let mut app = App::new();
-        app.add_plugins((
-            DefaultPlugins
-                .set(WindowPlugin {
-                    primary_window: None,
-                    exit_condition: ExitCondition::DontExit,
-                    ..default()
-                })
-                .set(RenderPlugin {
-                    synchronous_pipeline_compilation: true,
-                    ..default()
-                })
-                .disable::<WinitPlugin>()
-                .disable::<PipelinedRenderingPlugin>(),
-            PlumagePlugins,
-        ));
-        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
-            16,
-        )))
-        .insert_resource(ClearColor(Color::BLACK))
-        .insert_resource(GlobalAmbientLight {
-            brightness: 0.0,
-            ..default()
-        });
-        while app.plugins_state() == PluginsState::Adding {
-            bevy::tasks::tick_global_task_pools_on_main_thread();
-        }
-        app.finish();
-        app.cleanup();
+        let mut app = DrawingApp::start(WgpuSettings::default(), |app| {
+            app.insert_resource(GlobalAmbientLight {
+                brightness: 0.0,
+                ..default()
+            });
+        })?;
         let world = app.world_mut();
         let mut image = Image::new_target_texture(size, size, TextureFormat::Rgba16Float, None);
         image.texture_descriptor.usage |= TextureUsages::COPY_SRC;

@@ -12,7 +12,11 @@
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor};
-use std::{borrow::Cow, io::Write, sync::OnceLock};
+use std::{
+    borrow::Cow,
+    io::Write,
+    sync::{OnceLock, PoisonError, RwLock},
+};
 
 /// What every text is wrapped in: the two buffers and the entry point.
 const FRAME: &str = "
@@ -147,6 +151,24 @@ pub fn decide<T>(
     }
 }
 
+/// Held while devices are made or dropped, shared while they draw.
+static DEVICES: RwLock<()> = RwLock::new(());
+
+/// Runs `step`, which makes or drops a device of its own, while no other thread makes, drops or drives one.
+///
+/// Loaders of Vulkan up to 1.4.341 free what they know of a device without the lock under which other threads search it
+/// (KhronosGroup/Vulkan-Loader, issue 2018): a test that begins as another ends may find its heap corrupted.
+pub fn alone<R>(step: impl FnOnce() -> R) -> R {
+    let _guard = DEVICES.write().unwrap_or_else(PoisonError::into_inner);
+    step()
+}
+
+/// Runs `step`, which drives a device, beside others that do.
+pub fn together<R>(step: impl FnOnce() -> R) -> R {
+    let _guard = DEVICES.read().unwrap_or_else(PoisonError::into_inner);
+    step()
+}
+
 /// A device that tests may use.
 pub struct Gpu {
     device: wgpu::Device,
@@ -190,7 +212,8 @@ fn find() -> Result<Gpu, String> {
 /// Without a usable adapter.
 pub fn device() -> Option<&'static Gpu> {
     static DEVICE: OnceLock<Result<Option<Gpu>, String>> = OnceLock::new();
-    let decided = DEVICE.get_or_init(|| decide(std::env::var(NO_GPU).ok().as_deref(), find));
+    let decided =
+        DEVICE.get_or_init(|| decide(std::env::var(NO_GPU).ok().as_deref(), || alone(find)));
     match decided {
         Ok(Some(gpu)) => Some(gpu),
         Ok(None) => {
