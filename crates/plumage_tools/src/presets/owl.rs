@@ -261,8 +261,8 @@ pub(super) fn all() -> Vec<Template> {
                 spots: vec![Spot {
                     v: 0.925,
                     across: 0.0,
-                    half_width: 0.13,
-                    half_length: 0.032,
+                    half_width: 0.17,
+                    half_length: 0.045,
                     color: hex(DARK),
                     tint: 0.0,
                 }],
