@@ -33,13 +33,12 @@ pub const SIZE: u32 = 96;
 
 /// One frame of an app, drawn [`gpu::together`] and finished; fails if the renderer has stopped.
 pub fn frame(app: &mut App) {
-    gpu::together(|| {
-        app.update();
-        let device = app.world().resource::<RenderDevice>();
-        let _ = device.wgpu_device().poll(PollType::Wait {
-            submission_index: None,
-            timeout: None,
-        });
+    let _together = gpu::together();
+    app.update();
+    let device = app.world().resource::<RenderDevice>();
+    let _ = device.wgpu_device().poll(PollType::Wait {
+        submission_index: None,
+        timeout: None,
     });
     assert!(app.should_exit().is_none(), "the renderer stopped");
 }
@@ -108,27 +107,26 @@ impl DrawingApp {
             render_creation: RenderCreation::Automatic(Box::new(settings)),
             ..default()
         };
-        gpu::alone(|| {
-            let mut app = App::new();
-            app.add_plugins((
-                headless::plugins(render).disable::<PipelinedRenderingPlugin>(),
-                PlumagePlugins,
-            ))
-            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
-                16,
-            )))
-            .insert_resource(ClearColor(Color::BLACK));
-            build(&mut app);
-            headless::finish(&mut app);
-            Some(Self(app))
-        })
+        let _alone = gpu::alone();
+        let mut app = App::new();
+        app.add_plugins((
+            headless::plugins(render).disable::<PipelinedRenderingPlugin>(),
+            PlumagePlugins,
+        ))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
+            16,
+        )))
+        .insert_resource(ClearColor(Color::BLACK));
+        build(&mut app);
+        headless::finish(&mut app);
+        Some(Self(app))
     }
 }
 
 impl Drop for DrawingApp {
     fn drop(&mut self) {
-        let app = std::mem::replace(&mut self.0, App::empty());
-        gpu::alone(|| drop(app));
+        let _alone = gpu::alone();
+        self.0 = App::empty();
     }
 }
 

@@ -15,7 +15,7 @@ use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescript
 use std::{
     borrow::Cow,
     io::Write,
-    sync::{OnceLock, PoisonError, RwLock},
+    sync::{OnceLock, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard},
 };
 
 /// What every text is wrapped in: the two buffers and the entry point.
@@ -154,19 +154,19 @@ pub fn decide<T>(
 /// Held while devices are made or dropped, shared while they draw.
 static DEVICES: RwLock<()> = RwLock::new(());
 
-/// Runs `step`, which makes or drops a device of its own, while no other thread makes, drops or drives one.
+/// While it is held, no other thread makes, drops or drives a device: for one that makes or drops its own.
 ///
 /// Loaders of Vulkan up to 1.4.341 free what they know of a device without the lock under which other threads search it
 /// (KhronosGroup/Vulkan-Loader, issue 2018): a test that begins as another ends may find its heap corrupted.
-pub fn alone<R>(step: impl FnOnce() -> R) -> R {
-    let _guard = DEVICES.write().unwrap_or_else(PoisonError::into_inner);
-    step()
+#[must_use]
+pub fn alone() -> RwLockWriteGuard<'static, ()> {
+    DEVICES.write().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Runs `step`, which drives a device, beside others that do.
-pub fn together<R>(step: impl FnOnce() -> R) -> R {
-    let _guard = DEVICES.read().unwrap_or_else(PoisonError::into_inner);
-    step()
+/// While it is held, no other thread makes or drops a device: for one that drives its own.
+#[must_use]
+pub fn together() -> RwLockReadGuard<'static, ()> {
+    DEVICES.read().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A device that tests may use.
@@ -212,8 +212,10 @@ fn find() -> Result<Gpu, String> {
 /// Without a usable adapter.
 pub fn device() -> Option<&'static Gpu> {
     static DEVICE: OnceLock<Result<Option<Gpu>, String>> = OnceLock::new();
-    let decided =
-        DEVICE.get_or_init(|| decide(std::env::var(NO_GPU).ok().as_deref(), || alone(find)));
+    let decided = DEVICE.get_or_init(|| {
+        let _alone = alone();
+        decide(std::env::var(NO_GPU).ok().as_deref(), find)
+    });
     match decided {
         Ok(Some(gpu)) => Some(gpu),
         Ok(None) => {
@@ -244,6 +246,7 @@ pub fn run(
 ) -> Option<Vec<f32>> {
     let module = compose(files, &format!("{text}\n{FRAME}"));
     let Gpu { device, queue, .. } = device()?;
+    let _together = together();
     assert!(
         count.div_ceil(64) <= 65_535,
         "too many items for one dispatch: {count}"
