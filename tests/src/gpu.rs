@@ -158,13 +158,11 @@ static DEVICES: RwLock<()> = RwLock::new(());
 ///
 /// Loaders of Vulkan up to 1.4.341 free what they know of a device without the lock under which other threads search it
 /// (KhronosGroup/Vulkan-Loader, issue 2018): a test that begins as another ends may find its heap corrupted.
-#[must_use]
 pub fn alone() -> RwLockWriteGuard<'static, ()> {
     DEVICES.write().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// While it is held, no other thread makes or drops a device: for one that drives its own.
-#[must_use]
 pub fn together() -> RwLockReadGuard<'static, ()> {
     DEVICES.read().unwrap_or_else(PoisonError::into_inner)
 }
