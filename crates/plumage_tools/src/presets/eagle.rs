@@ -86,8 +86,8 @@ fn streaked(downy: f32, sides: u32, tint: f32, mottle: f32) -> Albedo {
     let downy = downy * DOWN_SHOWN;
     both(Pattern {
         rim: Some(Rim {
-            width: 0.25,
-            softness: 0.5,
+            width: 0.26,
+            softness: 0.4,
             color: hex(sides),
             tint,
         }),
@@ -246,7 +246,7 @@ pub(super) fn all() -> Vec<Template> {
             right: LANCET,
             fringe: 0.3,
             gaps: gaps(12, 0.012, 0.7, 43),
-            albedo: streaked(0.46, SIDES, 0.9, 0.85),
+            albedo: streaked(0.46, SIDES, 0.86, 1.0),
             matte: true,
             ..contour.clone()
         },
@@ -258,7 +258,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.34,
             gaps: gaps(7, 0.010, 0.45, 34),
-            albedo: streaked(0.58, BELLY, 0.9, 0.4),
+            albedo: streaked(0.58, BELLY, 0.7, 0.85),
             matte: true,
             ..contour.clone()
         },
@@ -388,7 +388,7 @@ pub(super) fn all() -> Vec<Template> {
             micro: SOFT_MICRO,
             fringe: 0.5,
             gaps: gaps(8, 0.010, 0.5, 41),
-            albedo: streaked(0.55, BELLY, 0.9, 0.4),
+            albedo: streaked(0.55, BELLY, 0.7, 0.85),
             matte: true,
             ..contour.clone()
         },

@@ -312,7 +312,7 @@ const TRACTS: &[TractRow] = &[
     row("face", &[Cheek, Lore], "head", 956, 0, (8., 24.), (5.5, 9.), (12., 8.), (0.05, 8.), (0.1, 1900., HEAD), (0x463A2E, 0x6E573C)).varied(0.18),
     row("lore", &[Lore], "bristle", 70, 0, (6., 12.), (1., 1.5), (25., 25.), (0., 0.), (0.5, 1950., (2, 1)), (0x382F27, 0x382F27)),
     row("neck_dorsal", &[NeckDorsal], "hackle", 280, 0, (40., 62.), (13., 19.), (9., 9.), (0.08, 12.), (0.2, 1600., CONTOUR), (0x745A3C, 0x463A2F)),
-    row("neck_ventral", &[NeckVentral], "body", 300, 0, (26., 56.), (14., 24.), (9., 9.), (0.08, 14.), (0.2, 1600., CONTOUR), (0x745F48, 0x745C47)).varied(0.15),
+    row("neck_ventral", &[NeckVentral], "body", 300, 0, (26., 56.), (14., 24.), (9., 9.), (0.08, 14.), (0.2, 1600., CONTOUR), (0x4C3D2E, 0x745C47)).varied(0.15),
     row("mantle", &[Mantle, ScapularMantle], "contour", 88, 6, (55., 80.), (32., 42.), (8., 8.), (0.06, 10.), (0.25, 1400., CONTOUR), (0x594B39, 0x473B30)),
     row("back", &[Back], "contour", 50, 5, (55., 75.), (32., 40.), (9., 9.), (0.06, 8.), (0.25, 1300., CONTOUR), (0x473B30, 0x473B30)),
     row("rump", &[Rump], "contour", 60, 6, (50., 80.), (30., 40.), (8., 8.), (0.08, 6.), (0.25, 320., CONTOUR), (0x4F4237, 0x4F4237)),
