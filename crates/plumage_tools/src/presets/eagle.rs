@@ -2,7 +2,7 @@
 
 use super::profiles::*;
 use super::template::*;
-use bevy_plumage::anatomy::{Albedo, Bars, Pattern, Rim};
+use bevy_plumage::anatomy::{Albedo, Bars, Pattern, Rim, Spot};
 
 const DOWN: u32 = 0xD8D2C8;
 /// Down at the base of the coat's feathers, shaded by those above: white would speckle it.
@@ -86,11 +86,20 @@ fn streaked(downy: f32, sides: u32, tint: f32, mottle: f32) -> Albedo {
     let downy = downy * DOWN_SHOWN;
     both(Pattern {
         rim: Some(Rim {
-            width: 0.26,
-            softness: 0.4,
+            width: 0.34,
+            softness: 0.5,
             color: hex(sides),
             tint,
         }),
+        // Through the rim of the tip, so that the streak runs on over the next feather's: enclosed ones would form a net.
+        spots: vec![Spot {
+            v: 0.92,
+            across: 0.0,
+            half_width: 0.24,
+            half_length: 0.24,
+            color: hex(STREAK),
+            tint: 0.1,
+        }],
         mottle,
         ..stops(&[
             (0.0, BASE, 0.0),
@@ -246,7 +255,7 @@ pub(super) fn all() -> Vec<Template> {
             right: LANCET,
             fringe: 0.3,
             gaps: gaps(12, 0.012, 0.7, 43),
-            albedo: streaked(0.46, SIDES, 0.86, 1.0),
+            albedo: streaked(0.46, SIDES, 0.92, 1.0),
             matte: true,
             ..contour.clone()
         },
