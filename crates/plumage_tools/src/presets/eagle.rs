@@ -80,8 +80,8 @@ fn barred(count: f32, share: f32, waviness: f32, tip: f32, dark: u32) -> Albedo 
     faces(pattern(0x554C44, dark), pattern(0x6B625A, 0x40372F))
 }
 
-/// A dark streak along the shaft that runs out into pale sides, down below: what streaks breast and belly of photographs. `downy`: share
-/// of the length that is down, `tint`: share of the groom's color in the sides, `mottle`: how uneven these are.
+/// A dark streak along the shaft, to the tip, that runs out into pale sides, down below: what streaks breast and belly of photographs.
+/// `downy`: share of the length that is down, `tint`: share of the groom's color in the sides, `mottle`: how uneven streak and sides are.
 fn streaked(downy: f32, sides: u32, tint: f32, mottle: f32) -> Albedo {
     let downy = downy * DOWN_SHOWN;
     both(Pattern {
