@@ -273,9 +273,9 @@ const TRACTS: &[TractRow] = &[
     row("nape", &[Nape], "head", 240, 0, (16., 24.), (8., 11.), (8., 8.), (0.06, 12.), (0.15, 1700., HEAD), (0xB59368, 0xB59368)),
     row("cheek", &[Cheek], "head", 200, 0, (10., 20.), (6., 9.), (10., 8.), (0.05, 8.), (0.1, 1690., HEAD), (0xC09E74, 0xC6AB82)),
     row("disc", &[Tract::Disc], "disc", 640, 11, (9., 11.5), (4.4, 5.4), (11., 10.), (0.04, 4.), (0.2, 1900., HEAD), (0xEFE7DC, 0xF4EEE6)),
-    row("eye_rays", &[Tract::Disc], "disc", 260, 0, (6., 9.), (3.6, 4.4), (8., 8.), (0.04, 4.), (0.2, 1880., HEAD), (0xCDB69C, 0xF0E8DC)),
+    row("eye_rays", &[Tract::Disc], "disc", 260, 0, (6.5, 9.5), (4.8, 5.6), (8., 8.), (0.04, 4.), (0.2, 1880., HEAD), (0xCDB69C, 0xF0E8DC)),
     row("ruff", &[Ruff], "ruff", 420, 5, (10.5, 11.), (4., 5.), (24., 20.), (0.05, 10.), (0.5, 1950., HEAD), (0xC09866, 0x9A744D)),
-    row("neck_dorsal", &[NeckDorsal], "lesser", 270, 0, (22., 32.), (12., 16.), (9., 9.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xC4A070, 0xC4A070)),
+    row("neck_dorsal", &[NeckDorsal], "breast", 270, 0, (22., 32.), (12., 16.), (9., 9.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xB8997A, 0xB8997A)).varied(0.06),
     row("neck_ventral", &[NeckVentral], "breast", 130, 0, (18., 28.), (11., 15.), (9., 9.), (0.07, 14.), (0.2, 1600., CONTOUR), (0xEDE3D4, 0xEFE7DA)),
     row("mantle", &[Mantle, ScapularMantle], "mantle", 100, 6, (30., 40.), (17., 21.), (8., 8.), (0.06, 10.), (0.25, 1400., CONTOUR), (0xBE9C71, 0xBE9C71)),
     row("back", &[Back], "mantle", 56, 5, (30., 38.), (17., 20.), (9., 9.), (0.06, 8.), (0.25, 1300., CONTOUR), (0xBE9C71, 0xC2A27A)),
@@ -299,7 +299,7 @@ const TRACTS: &[TractRow] = &[
     row("marginal_under", &[MarginalUnder], "breast", 340, 0, (4.5, 9.), (4.5, 7.), (3., 4.), (0.06, 15.), (0.3, 1100., HEAD), (0xE2CDAE, 0xF2ECE2)),
     row("femoral", &[Femoral], "leg", 210, 0, (26., 36.), (13., 17.), (6., 5.), (0.07, 22.), (0.05, 600., CONTOUR), (0xF2ECE2, 0xF2ECE2)),
     row("crural", &[Crural], "leg", 420, 0, (34., 24.), (13., 10.), (6., 5.), (0.06, 14.), (0.15, 500., CONTOUR), (0xF2ECE2, 0xEFE7DA)),
-    row("tarsal", &[Tarsal], "tarsal", 340, 0, (16., 9.), (8., 6.), (7., 6.), (0.06, 14.), (0.05, 480., LESSER), (0xEFE7DA, 0xE6DAC8)),
+    row("tarsal", &[Tarsal], "tarsal", 340, 0, (16., 10.), (9., 7.5), (7., 6.), (0.06, 14.), (0.05, 480., LESSER), (0xEFE7DA, 0xE6DAC8)),
 ];
 
 /// Rows.
