@@ -12,6 +12,8 @@ const GOLD: u32 = 0xB8976C;
 /// Grey of the veil that lies over the gold: vermiculated in life.
 const VEIL: u32 = 0x96908C;
 const DARK: u32 = 0x3A302A;
+/// Drop at the end of a dark fleck.
+const PEARL: u32 = 0xDCD6CC;
 /// Bars of remiges and tail.
 const BAR: u32 = 0x7A6450;
 
@@ -32,7 +34,7 @@ const OPEN: Micro = Micro {
     ramus: 24.0,
     spacing: [45.0, 60.0],
     barbule_angle: [18.0; 2],
-    cover: [0.62, 0.62],
+    cover: [0.74, 0.74],
     shaft: [0.45, 0.3, 0.08],
     downy: 0.2,
 };
@@ -90,7 +92,7 @@ fn veiled(downy: f32, grey: f32) -> Pattern {
     veiled_within([0.72, 0.82], downy, grey)
 }
 
-/// A dark drop that holds a white pearl, at a height and a place across. `aspect`: half the width over the length.
+/// A dark fleck along the shaft that ends in a pale pearl, at a height and a place across. `aspect`: half the width over the length.
 fn pearl([v, across]: [f32; 2], half_width: f32, aspect: f32) -> Vec<Spot> {
     let spot = |v: f32, half_width: f32, roundness: f32, rgb: u32| Spot {
         v,
@@ -101,8 +103,8 @@ fn pearl([v, across]: [f32; 2], half_width: f32, aspect: f32) -> Vec<Spot> {
         tint: 0.0,
     };
     vec![
-        spot(v, half_width, 0.9, DARK),
-        spot(v + 0.01, 0.55 * half_width, 0.85, WHITE),
+        spot(v, 0.75 * half_width, 1.7, DARK),
+        spot(v + 0.5 * half_width * aspect, 0.45 * half_width, 1.1, PEARL),
     ]
 }
 
@@ -214,8 +216,8 @@ pub(super) fn all() -> Vec<Template> {
             left: LANCEOLATE,
             right: LANCEOLATE,
             micro: OPEN,
-            fringe: 0.7,
-            gaps: gaps(3, 0.02, 0.4, 62),
+            fringe: 0.5,
+            gaps: gaps(2, 0.01, 0.3, 62),
             albedo: both(stops(&[
                 (0.0, WHITE, 0.6),
                 (0.8, WHITE, 1.0),
@@ -236,9 +238,9 @@ pub(super) fn all() -> Vec<Template> {
                 (0.0, WHITE, 0.0),
                 (0.3, WHITE, 0.2),
                 (0.55, GOLD, 1.0),
-                (0.78, GOLD, 1.0),
-                (0.88, DARK, 0.2),
-                (1.0, DARK, 0.1),
+                (0.8, GOLD, 1.0),
+                (0.93, DARK, 0.45),
+                (1.0, DARK, 0.35),
             ])),
             ..head.clone()
         },

@@ -132,10 +132,10 @@ pub fn species() -> Species {
         brow: None,
         bill: BILL,
         gaze: [0.42, 0.0, 0.91],
-        lids: 0x8A6A5C,
-        lid_colors: [0x8A6A5C, 0x1C1512],
+        lids: 0x3C302A,
+        lid_colors: [0x3C302A, 0x1C1512],
         lid_edge: 0.94,
-        lid_reach: 0.95,
+        lid_reach: 1.4,
         ledge: None,
         bare: BareFace::Feathered,
         naked: None,
@@ -175,7 +175,7 @@ const BILL: Bill = Bill {
         [58.0, 226.0, 57.0, 224.5, 2.0],
     ],
     ridge: 0.3,
-    colors: [0xE6D6C4, 0xC9B49C, 0xDCCAB8, 0xD9BEB0],
+    colors: [0xC8B4A0, 0xB09A84, 0xBCA894, 0xC0A496],
     dark: [0.7, 0.3],
     cere: [0.36, 0.3],
     wedge: [0.0, 0.0],
@@ -188,8 +188,8 @@ const BILL: Bill = Bill {
 const DISC: Disc = Disc {
     centre: [15.0, 253.0, 56.0],
     reach: [32.0, 33.0, 44.0],
-    notch: 0.3,
-    ruff: 0.22,
+    notch: 0.42,
+    ruff: 0.16,
 };
 
 const MOTION: Motion = Motion {
@@ -247,7 +247,7 @@ const TEMPLATES: [&str; 16] = [
 const SKIN: &[(&[Tract], u32)] = &[
     (&[Tract::Disc], 0xF6F0E8),
     (&[Ruff], 0xA87C48),
-    (&[EyeRing], 0x8A6A58),
+    (&[EyeRing], 0x5A463C),
     (
         &[
             Breast,
@@ -273,9 +273,9 @@ const TRACTS: &[TractRow] = &[
     row("nape", &[Nape], "head", 240, 0, (16., 24.), (8., 11.), (8., 8.), (0.06, 12.), (0.15, 1700., HEAD), (0xB59368, 0xB59368)),
     row("cheek", &[Cheek], "head", 200, 0, (10., 20.), (6., 9.), (10., 8.), (0.05, 8.), (0.1, 1690., HEAD), (0xC09E74, 0xC6AB82)),
     row("disc", &[Tract::Disc], "disc", 640, 11, (9., 11.5), (4.4, 5.4), (11., 10.), (0.04, 4.), (0.2, 1900., HEAD), (0xEFE7DC, 0xF4EEE6)),
-    row("eye_rays", &[Tract::Disc], "disc", 260, 0, (6.5, 9.5), (4.8, 5.6), (8., 8.), (0.04, 4.), (0.2, 1880., HEAD), (0xCDB69C, 0xF0E8DC)),
-    row("ruff", &[Ruff], "ruff", 420, 5, (10.5, 11.), (4., 5.), (24., 20.), (0.05, 10.), (0.5, 1950., HEAD), (0xC09866, 0x9A744D)),
-    row("neck_dorsal", &[NeckDorsal], "breast", 270, 0, (22., 32.), (12., 16.), (9., 9.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xB8997A, 0xB8997A)).varied(0.06),
+    row("eye_rays", &[Tract::Disc], "disc", 260, 0, (7., 10.), (5.4, 6.2), (8., 8.), (0.04, 4.), (0.2, 1880., HEAD), (0xAC8E66, 0xF0E8DC)),
+    row("ruff", &[Ruff], "ruff", 420, 4, (9.5, 10.), (4., 4.8), (16., 14.), (0.05, 10.), (0.5, 1950., HEAD), (0xC09866, 0x9A744D)),
+    row("neck_dorsal", &[NeckDorsal], "breast", 270, 0, (22., 32.), (12., 16.), (9., 9.), (0.07, 12.), (0.2, 1600., CONTOUR), (0xB8997A, 0xB8997A)),
     row("neck_ventral", &[NeckVentral], "breast", 130, 0, (18., 28.), (11., 15.), (9., 9.), (0.07, 14.), (0.2, 1600., CONTOUR), (0xEDE3D4, 0xEFE7DA)),
     row("mantle", &[Mantle, ScapularMantle], "mantle", 100, 6, (30., 40.), (17., 21.), (8., 8.), (0.06, 10.), (0.25, 1400., CONTOUR), (0xBE9C71, 0xBE9C71)),
     row("back", &[Back], "mantle", 56, 5, (30., 38.), (17., 20.), (9., 9.), (0.06, 8.), (0.25, 1300., CONTOUR), (0xBE9C71, 0xC2A27A)),
