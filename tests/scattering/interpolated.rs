@@ -1,7 +1,7 @@
 //! Light found at the ends of a span and interpolated, as cards of the class LIT do: what it is off in the middle, over how far the span
 //! turns. Everything else is exact here, so a change of the lobes shows first in this test.
 
-use bevy_plumage::maths::vertex_light::vertex_light_error;
+use bevy_plumage::maths::vertex_light::{grazing_light, vertex_light_error};
 use plumage_reference::{fibre_traced::uniform, judged::PaintedVane};
 use plumage_tests::cases::on_sphere;
 use rand_pcg::Pcg64Mcg;
@@ -105,11 +105,55 @@ fn light_between_vertices_is_off_by_as_much_as_is_said() {
             "{degrees} degrees: {found:?}"
         );
         // The rule that chooses cards knows which of them are worse.
-        let of = |facing| vertex_light_error(degrees, facing, [facing; 2], [1.0, 0.0]);
+        let of =
+            |facing| vertex_light_error(degrees, facing, [facing; 2], [0.0; 2], [1.0, 0.0], 0.0);
         let said = of(0.0) / of(0.9);
         assert!(
             along > 1.8 * facing && said > 1.8,
             "{along} and {facing}, said {said}"
         );
+    }
+}
+
+/// Where a light passes along a card and the eye does not, what paint adds goes through zero with a fold: over [`grazing_light`] it changes
+/// evenly. Of structural fibres it is a mirror's, whose glints fall between the vertices in either way.
+#[test]
+fn paint_under_a_light_along_the_card_is_interpolated_over_its_fading() {
+    let mut random = Pcg64Mcg::new(6);
+    let half = 7.5f64.to_radians();
+    // Color and black; RMS and mean of the errors over those of plain interpolation, at most.
+    for (name, [color, black], most) in [
+        ("covert", [0.3, 30.0], [0.5, 0.2]),
+        ("remex", [0.4, 0.0], [0.95, 0.3]),
+        ("eagle", [1.0, 30.0], [0.5, 0.2]),
+    ] {
+        let [vane, dark] = [color, black].map(|color| PaintedVane::new(name, color).unwrap());
+        let (mut paint, mut plain, mut faded) = (Vec::new(), Vec::new(), Vec::new());
+        while paint.len() < COUNT {
+            let [eye, light] = [0; 2].map(|_| on_sphere(&mut random).map(f64::from));
+            let about = 2.0 * PI * uniform(&mut random);
+            if eye[2] < 0.4 || light[2].abs() > 0.2 {
+                continue;
+            }
+            let at = |angle: f64| {
+                let [eye, light] = [eye, light].map(|v| turned(v, angle, about));
+                let paint = vane.radiance(eye, light) - dark.radiance(eye, light);
+                (paint, grazing_light(light[2]))
+            };
+            let [low, high, middle] = [-half, half, 0.0].map(at);
+            paint.push(middle.0);
+            plain.push(0.5 * (low.0 + high.0) - middle.0);
+            faded.push(0.5 * middle.1 * (low.0 / low.1 + high.0 / high.1) - middle.0);
+        }
+        let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
+        let rms = |list: &[f64]| mean(&list.iter().map(|x| x * x).collect::<Vec<_>>()).sqrt();
+        let [plain, faded] = [plain, faded].map(|list| [rms(&list), mean(&list)]);
+        println!(
+            "{name}: paint {:.4}; RMS and mean of the errors {plain:.5?}, over the fading {faded:.5?}",
+            mean(&paint)
+        );
+        for (i, most) in most.into_iter().enumerate() {
+            assert!(faded[i].abs() <= most * plain[i].abs(), "{name}");
+        }
     }
 }

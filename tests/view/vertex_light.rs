@@ -9,7 +9,7 @@ use bevy_plumage::{CARD_COUNTERS, prelude::*};
 use plumage_tests::{
     app::Stage,
     stack::Stack,
-    view::{counts, frames, mean, rms, spawn_patch},
+    view::{counts, frames, mean, mean_color, rms, spawn_patch},
 };
 
 const FEATHERS: u32 = 150;
@@ -112,6 +112,34 @@ fn quads_are_left_to_the_fragments() {
             false,
         );
         assert_eq!(lit(&mut stage), expected, "{grid:?}");
+    }
+}
+
+/// Of structural fibres, which barbules the eye meets first says from which color on paint shows: from behind it is the proximal ones.
+#[test]
+fn backs_of_structural_feathers_keep_their_dark_colors() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let mut stack = Stack::of(&mut stage, 8, "feathers/macaw_rectrix.feather.ron");
+    let camera = stage.camera;
+    let mut place = *stage.app.world().get::<Transform>(camera).unwrap();
+    place.translation.z *= -1.0;
+    let place = place.looking_at(Vec3::ZERO, Vec3::Y);
+    stage.app.world_mut().entity_mut(camera).insert(place);
+    let way = FeatherTransparency::AlphaToCoverage;
+    let at_vertices = mean_color(&stack.draw(&mut stage, Msaa::Sample4, way, false));
+    assert_eq!(lit(&mut stage), [8, 0]);
+    let world = stage.app.world_mut();
+    for mut worn in world.query::<&mut FeatherQuality>().iter_mut(world) {
+        worn.settings.light_budget = 0.0;
+    }
+    frames(&mut stage, 3);
+    assert_eq!(lit(&mut stage)[0], 0);
+    let in_fragments = mean_color(&stage.picture());
+    println!("at vertices {at_vertices:.5?}, in fragments {in_fragments:.5?}");
+    for (vertices, fragments) in at_vertices.into_iter().zip(in_fragments) {
+        assert!(fragments > 1e-4 && (vertices / fragments - 1.0).abs() < 0.05);
     }
 }
 

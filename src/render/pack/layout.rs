@@ -26,8 +26,9 @@ pub mod header {
     pub const CAUGHT: usize = 44;
     /// Where mirror lobes leave barbs and barbules: azimuthal roughness, share of the way from the normal half way; both twice.
     pub const MIRRORS: usize = 45;
-    /// Two, barbs and barbules: the darkest painted color by which they differ, seen from the front and from the back (below, nothing shows
-    /// of a fibre but its surface, [`shown_albedo`](crate::maths::scattering::shown_albedo)); the palest.
+    /// Two, barbs and the barbules that the eye meets first: the darkest painted color by which they differ, seen from the front and from the
+    /// back (below, nothing shows of a fibre but its surface, [`shown_albedo`](crate::maths::scattering::shown_albedo)); the palest; 1 for
+    /// structural fibres.
     pub const PAINT: usize = 46;
 }
 /// vec4s of one feather.

@@ -231,19 +231,21 @@ fn pack_feather(
     let [barb, barbule] = [1, 2].map(|slot| mirror_place(&found.tables[index[slot] as usize].1));
     let mirrors = [barb.blur, barb.retreat, barbule.blur, barbule.retreat];
     put(header::MIRRORS, &[mirrors.map(|x| x as f32)]);
-    let paint = |part: usize| -> [f32; 4] {
-        let fibre = found.tables[index[part] as usize].1.fibre();
-        let share = shares[part].max(1e-3);
-        let dark =
-            |face: &[f32; 4]| shown_albedo(fibre.darkest(), f64::from(face[part])) as f32 / share;
+    // Of barbules those that the eye meets first.
+    let paint = |ahead: usize, behind: usize| -> [f32; 4] {
+        let fibre = |part: usize| found.tables[index[part] as usize].1.fibre();
+        let share = |part: usize| shares[part].max(1e-3);
+        let dark = |face: &[f32; 4], part: usize| {
+            shown_albedo(fibre(part).darkest(), f64::from(face[part])) as f32 / share(part)
+        };
         [
-            dark(front),
-            dark(back),
-            WHITEST / share,
-            f32::from(u8::from(fibre.structural)),
+            dark(front, ahead),
+            dark(back, behind),
+            WHITEST / share(ahead),
+            f32::from(u8::from(fibre(ahead).structural)),
         ]
     };
-    put(header::PAINT, &[paint(1), paint(2)]);
+    put(header::PAINT, &[paint(1, 1), paint(2, 3)]);
     rows.extend(head);
     rows.extend_from_slice(&shape.rachis);
     rows.extend_from_slice(&shape.contour);

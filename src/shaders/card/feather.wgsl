@@ -217,7 +217,7 @@ fn shade(
     let lights = light::lights_of(seen);
     for (var i = 0u; i < lights.count; i++) {
         let found = light::light_at(seen, lights, i);
-        sum += found.color * answer(light_response(in, response, found.direction), paint);
+        sum += found.color * answer(light_response(in, response, found.direction, dot(eye_side, found.direction)), paint);
     }
     return max(sum, vec3(0.0)) * light::exposure();
 }

@@ -42,11 +42,13 @@ const LIT_FAR: f32 = 0.25;
 // Least vertices of a card that is lit at them: two columns and rows beside one another, for shaft and downy base.
 const LIT_VERTICES: u32 = 9u;
 
-// Of a card that turns by so many degrees between two vertices, with this normal.
-fn light_error(turn: f32, normal: vec3<f32>, eye: vec3<f32>) -> f32 {
-    let lights = abs(vec2(dot(normal, lods::params.first_light.xyz), dot(normal, lods::params.second_light.xyz)));
-    let shares = vec2(lods::params.first_light.w, lods::params.second_light.w);
-    return vertex_light_error(turn, abs(dot(normal, eye)), lights, shares);
+// Of a card that turns by so many degrees between two vertices, with this normal; `mirrors`: 1 for structural fibres.
+fn light_error(turn: f32, normal: vec3<f32>, eye: vec3<f32>, mirrors: f32) -> f32 {
+    let first = lods::params.first_light;
+    let second = lods::params.second_light;
+    let lights = abs(vec2(dot(normal, first.xyz), dot(normal, second.xyz)));
+    let against = -vec2(dot(eye, first.xyz), dot(eye, second.xyz));
+    return vertex_light_error(turn, abs(dot(normal, eye)), lights, against, vec2(first.w, second.w), mirrors);
 }
 
 fn base_of(card: data::Card) -> u32 {
@@ -97,7 +99,8 @@ fn classify_card(card: data::Card, vertex_count: u32, world_from_local: mat4x4<f
     let world_normal = normalize((world_from_local * vec4(card.normal, 0.0)).xyz);
     let step = pixel * select(depth, 1.0, is_orthographic);
     let pixels = feather_length * feather_length * card.width / max(card.length * step * step, 1e-12);
-    let error = light_error(data::card_turn(card.tint), world_normal, eye_of(center)) / lods::params.light_budget;
+    let mirrors = max(lods::feather_row(base + data::PAINT).w, lods::feather_row(base + data::PAINT + 1u).w);
+    let error = light_error(data::card_turn(card.tint), world_normal, eye_of(center), mirrors) / lods::params.light_budget;
     let period = max(max(vanes[0].p_b, vanes[0].d_bl), max(vanes[1].p_b, vanes[1].d_bl));
     let mean = minor / period * inverseSqrt(lods::params.threshold);
     // Twice the budget is too much for any of it.

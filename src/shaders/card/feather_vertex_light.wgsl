@@ -16,6 +16,7 @@
     scattering_multiple::inner_albedo,
     scattering_short as short,
     sheen::{sheen_albedo, sheen_evaluate, sheen_place, sheen_tint},
+    vertex_light::grazing_light,
 }
 
 // Directional lights that are followed.
@@ -29,8 +30,9 @@ const STRAIGHT: f32 = 0.12;
 // Share of the width, from the middle, within which both vanes meet.
 const EDGE: f32 = 0.25;
 
-// Radiance to the eye per irradiance, of each light and of the sky in front and behind: of barbs and of barbules, each per its paint_over,
-// and of black paint; per radiance of the mirrored sky. Of the shaft beside the vane, of the lights and the sky: per paint of barbs, and black.
+// Radiance to the eye per irradiance, of each light and of the sky in front and behind: of barbs and of barbules, each per its paint_over
+// (of lights also over grazing_light), and of black paint; per radiance of the mirrored sky. Of the shaft beside the vane, of the lights and
+// the sky: per paint of barbs, and black.
 struct VaneResponse {
     first: vec3<f32>,
     second: vec3<f32>,
@@ -73,8 +75,8 @@ fn response_of(in: FeatherVertex, right: bool, shaft: f32) -> VaneResponse {
     let painted = there * in.shaft;
     let black = there * vec4(in.left_front.w, in.left_back.w, in.right_front.w, in.right_back.w);
     return VaneResponse(
-        vane * first.xyz + vec3(painted.x, 0.0, black.x),
-        vane * select(in.left_second, in.right_second, right).xyz + vec3(painted.y, 0.0, black.y),
+        vane * first.xyz,
+        vane * select(in.left_second, in.right_second, right).xyz,
         vane * select(in.left_front, in.right_front, right).xyz + vec3(painted.z, 0.0, black.z),
         vane * select(in.left_back, in.right_back, right).xyz + vec3(painted.w, 0.0, black.w),
         vane * first.w,
@@ -83,10 +85,14 @@ fn response_of(in: FeatherVertex, right: bool, shaft: f32) -> VaneResponse {
     );
 }
 
-// To which of the lights a fragment's light belongs: there are no others than those of the vertices.
-fn light_response(in: FeatherVertex, response: VaneResponse, direction: vec3<f32>) -> vec3<f32> {
+// To which of the lights a fragment's light belongs: there are no others than those of the vertices. `facing`: its cosine to the
+// normal on the eye's side.
+fn light_response(in: FeatherVertex, response: VaneResponse, direction: vec3<f32>, facing: f32) -> vec3<f32> {
     let first = data::octahedral(vec2(in.left_second.w, in.right_second.w));
-    return select(response.second, response.first, dot(first, direction) > SAME_LIGHT);
+    let is_first = dot(first, direction) > SAME_LIGHT;
+    let painted = vec3(vec2(grazing_light(facing)), 1.0);
+    return painted * select(response.second, response.first, is_first)
+        + select(vec3(response.shaft.y, 0.0, response.black_shaft.y), vec3(response.shaft.x, 0.0, response.black_shaft.x), is_first);
 }
 
 // Of every channel.
@@ -212,6 +218,9 @@ fn vane_response(
             lit[0] += weight * own.x * counts;
             lit[1] += weight * own.y * counts;
         }
+    }
+    for (var i = 0u; i < VERTEX_LIGHTS; i++) {
+        lit[i] *= vec3(vec2(1.0 / grazing_light(select(-lights[i].z, lights[i].z, front))), 1.0);
     }
     return VaneResponse(lit[0], lit[1], ahead, beyond, mirrored, shaft, black_shaft);
 }
