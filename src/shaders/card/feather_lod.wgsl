@@ -37,7 +37,7 @@ fn feather_vane(base: u32, slot: u32) -> Vane {
 // all of it.
 const LIT_PIXELS: vec2<f32> = vec2(37.0, 43.0);
 // Over the distance where averages begin to do, less 1: all of a card is lit there.
-const LIT_FAR: f32 = 0.25;
+const LIT_FAR: f32 = 0.1;
 
 // Least vertices of a card that is lit at them: two columns and rows beside one another, for shaft and downy base.
 const LIT_VERTICES: u32 = 9u;
