@@ -66,7 +66,7 @@ fn paint_over(base: u32, albedo: vec3<f32>, front: bool) -> Paint {
 // Lights whose directions are closer than this cosine are one to a fragment.
 const SAME_LIGHT: f32 = 0.995;
 
-// A vane's, interpolated, mixed with the share of the shaft in what is seen.
+// A vane's, interpolated, mixed with the share of the shaft in what is seen; to what a vane makes of lights light_response adds the shaft's.
 fn response_of(in: FeatherVertex, right: bool, shaft: f32) -> VaneResponse {
     let first = select(in.left_first, in.right_first, right);
     let vane = 1.0 - shaft;
