@@ -23,15 +23,19 @@ pub fn grazing_light<T: Real>(facing: T) -> T {
     (facing.max(-facing * real(0.4)) + real(0.01)) / (facing.abs() + real(0.3))
 }
 
+/// Share that the cores of structural fibres show of a light that passes along their card, where the eye does not; chosen, held by
+/// `cargo test -p plumage_tests --test view -- far`.
+const MIRRORED: f64 = 0.3;
+
 /// Share that shows, 0..1, of what a light does that passes along a card: all where the eye passes along it, too, or looks against the light,
-/// because surfaces mirror there, and of structural fibres (`mirrors` 1, of others 0), whose cores do; little else than paint answers on other
-/// sides, and that [`grazing_light`] follows. `eye`: cosine to the card's normal, 0..1; `against`: cosine between the way to the eye and the
+/// because surfaces mirror there, and [`MIRRORED`] of it of structural fibres (`mirrors` 1, of others 0), whose cores do; little else than paint
+/// answers on other sides, and that [`grazing_light`] follows. `eye`: cosine to the card's normal, 0..1; `against`: cosine between the way to the eye and the
 /// way that the light goes, -1..1.
 pub fn glint_share<T: Real>(half_turn: T, eye: T, against: T, mirrors: T) -> T {
     let along = T::one() - smooth_step(T::zero(), real(0.4), eye - half_turn);
     along
         .max(smooth_step(real(0.2), real(0.7), against))
-        .max(mirrors)
+        .max(real::<T>(MIRRORED) * mirrors)
 }
 
 /// Typical error of the light, as a share of white, of a card whose normals turn by `turn` degrees between two vertices. `eye` and `lights`:

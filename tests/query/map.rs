@@ -2,8 +2,8 @@
 
 use bevy_plumage::anatomy::{CONTOUR_ROWS, Feather, RACHIS_ROWS, ShapeTable, Side};
 use bevy_plumage::maths::query::{
-    CardVane, Component, ErrorBudget, MAP_SIZE, Vane, map_place, map_share, map_sight, map_vanes,
-    mean_stop, mean_vane,
+    CardVane, Component, ErrorBudget, MAP_SIZE, Vane, map_decided, map_place, map_share, map_sight,
+    map_vanes, mean_stop, mean_vane,
 };
 use plumage_tests::{
     geometry::dense_shares,
@@ -62,6 +62,9 @@ impl Levels {
     }
 }
 
+/// Least share of fine footprints that one look decides about.
+const LEAST_DECIDED: f64 = 0.5;
+
 /// Linear between the rows of a table.
 fn linear(rows: &[[f32; 4]], place: f64, column: usize) -> f64 {
     let i = (place as usize).min(rows.len() - 2);
@@ -95,25 +98,22 @@ fn is_inside(table: &ShapeTable, feather: &Feather, [u, v]: [f64; 2]) -> bool {
             )
 }
 
-/// Root mean square, 99th percentile and largest error of the map over cards of so many pixels from root to tip.
-fn errors(name: &str, pixels: [f64; 2], count: usize) -> [f64; 3] {
-    let feather = shipped::feather(name);
-    let levels = Levels::of(&feather);
-    let table = feather.shape_table();
-    let aspect = f64::from(feather.aspect);
-    let mut random = Pcg64Mcg::seed_from_u64(71);
-    let (mut errors, mut bias) = (Vec::new(), 0.0);
-    while errors.len() < count {
-        let uv = [
-            between(&mut random, 0.0, 1.0),
-            between(&mut random, 0.0, 1.0),
-        ];
+/// A pixel over a card of so many pixels from root to tip: its place and the derivatives of it.
+struct Pixel {
+    uv: [f64; 2],
+    dx: [f64; 2],
+    dy: [f64; 2],
+}
+
+impl Pixel {
+    fn random(random: &mut Pcg64Mcg, pixels: [f64; 2], aspect: f64) -> Self {
+        let uv = [between(random, 0.0, 1.0), between(random, 0.0, 1.0)];
         let (low, high) = (pixels[0].ln(), pixels[1].ln());
-        let long = between(&mut random, low, high).exp();
+        let long = between(random, low, high).exp();
         // A card turned on the screen, after it has been turned out of it.
-        let (slant_sin, slant_cos) = between(&mut random, 0.0, 3.2).sin_cos();
-        let narrow = between(&mut random, 0.2, 1.0);
-        let (sin, cos) = between(&mut random, 0.0, 6.3).sin_cos();
+        let (slant_sin, slant_cos) = between(random, 0.0, 3.2).sin_cos();
+        let narrow = between(random, 0.2, 1.0);
+        let (sin, cos) = between(random, 0.0, 6.3).sin_cos();
         // Canonical lengths a pixel along an axis of the screen.
         let step = |[x, y]: [f64; 2]| {
             let (a, b) = (x * cos - y * sin, (x * sin + y * cos) / narrow);
@@ -121,21 +121,39 @@ fn errors(name: &str, pixels: [f64; 2], count: usize) -> [f64; 3] {
             [a / long / aspect, b / long]
         };
         let (dx, dy) = (step([1.0, 0.0]), step([0.0, 1.0]));
-        let sight = map_sight(dx, dy);
-        if !sight.serves {
-            continue;
-        }
-        let found = map_share(uv, &sight, |place, level| levels.look(place, level));
-        let truth = dense_shares(
+        Self { uv, dx, dy }
+    }
+
+    /// Share of it inside the outline, densely sampled.
+    fn truth(&self, table: &ShapeTable, feather: &Feather) -> f64 {
+        dense_shares(
             4000,
-            |[a, b]| [0, 1].map(|k| uv[k] + 0.5 * (dx[k] * a + dy[k] * b)),
-            |point| match is_inside(&table, &feather, point) {
+            |[a, b]| [0, 1].map(|k| self.uv[k] + 0.5 * (self.dx[k] * a + self.dy[k] * b)),
+            |point| match is_inside(table, feather, point) {
                 true => Component::Rachis,
                 false => Component::None,
             },
-        );
-        bias += (found - truth[1]) / count as f64;
-        errors.push((found - truth[1]).abs());
+        )[1]
+    }
+}
+
+/// Root mean square, 99th percentile and largest error of the map over cards of so many pixels from root to tip.
+fn errors(name: &str, pixels: [f64; 2], count: usize) -> [f64; 3] {
+    let feather = shipped::feather(name);
+    let levels = Levels::of(&feather);
+    let table = feather.shape_table();
+    let mut random = Pcg64Mcg::seed_from_u64(71);
+    let (mut errors, mut bias) = (Vec::new(), 0.0);
+    while errors.len() < count {
+        let pixel = Pixel::random(&mut random, pixels, feather.aspect.into());
+        let sight = map_sight(pixel.dx, pixel.dy);
+        if !sight.serves {
+            continue;
+        }
+        let found = map_share(pixel.uv, &sight, |place, level| levels.look(place, level));
+        let off = found - pixel.truth(&table, &feather);
+        bias += off / count as f64;
+        errors.push(off.abs());
     }
     let found = statistics(&errors);
     eprintln!("{name}, {pixels:?} pixels: RMS, P99, max {found:.4?}, bias {bias:.4}");
@@ -169,15 +187,45 @@ fn the_map_is_the_outline() {
 }
 
 #[test]
+fn one_look_decides_within_and_beyond_the_outline() {
+    for name in ["contour", "macaw_primary", "macaw_neck", "eagle_trouser"] {
+        let feather = shipped::feather(name);
+        let levels = Levels::of(&feather);
+        let table = feather.shape_table();
+        let mut random = Pcg64Mcg::seed_from_u64(74);
+        let (mut fine, mut errors) = (0, Vec::new());
+        while fine < 1500 {
+            let pixel = Pixel::random(&mut random, [150.0, 2000.0], feather.aspect.into());
+            let sight = map_sight(pixel.dx, pixel.dy);
+            if sight.serves {
+                continue;
+            }
+            fine += 1;
+            let look = levels.look(map_place(pixel.uv), sight.level);
+            let decided = map_decided(look, sight.level);
+            if decided >= 0.0 {
+                errors.push((decided - pixel.truth(&table, &feather)).abs());
+            }
+        }
+        let share = errors.len() as f64 / f64::from(fine);
+        let [rms, _, most] = statistics(&errors);
+        eprintln!("{name}: {share:.2} decided, RMS, max {rms:.5} {most:.4}");
+        assert!(share >= LEAST_DECIDED, "{name}: {share}");
+        assert!(rms <= 0.001 && most <= 0.01, "{name}: {rms} {most}");
+    }
+}
+
+#[test]
 fn the_shader_looks_where_the_processor_does() {
-    let text = "#import bevy_plumage::query_map::{map_place, map_sight, map_vanes}
+    let text = "#import bevy_plumage::query_map::{map_decided, map_place, map_sight, map_vanes}
         fn evaluate(i: u32) {
             let a = 7u * i;
             let s = map_sight(vec2(input[a], input[a + 1u]), vec2(input[a + 2u], input[a + 3u]));
             let place = map_place(vec2(input[a + 4u], input[a + 5u]));
             let vanes = map_vanes(input[a + 4u], input[a + 5u], vec2(input[a + 6u], 1.0 - input[a + 6u]));
-            let values = array<f32, 9>(s.step.x, s.step.y, s.level, f32(s.count), f32(s.serves), place.x, place.y, vanes.x, vanes.y);
-            for (var j = 0u; j < 9u; j++) { output[9u * i + j] = values[j]; }
+            let decided = map_decided(4.0 * input[a + 5u] - 1.0, s.level);
+            let values = array<f32, 10>(s.step.x, s.step.y, s.level, f32(s.count), f32(s.serves), place.x, place.y, vanes.x, vanes.y, decided);
+            for (var j = 0u; j < 10u; j++) { output[10u * i + j] = values[j]; }
         }";
     let mut random = Pcg64Mcg::seed_from_u64(72);
     let mut input = Vec::new();
@@ -212,22 +260,24 @@ fn the_shader_looks_where_the_processor_does() {
             y,
             vanes[0],
             vanes[1],
+            map_decided(4.0 * v - 1.0, sight.level),
         ]);
     }
     assert!(wanted.iter().all(|x| x.is_finite()));
-    let Some(result) = gpu::run(&["query_map.wgsl"], text, &input, 4000, 9 * 4000) else {
+    let Some(result) = gpu::run(&["query_map.wgsl"], text, &input, 4000, 10 * 4000) else {
         return;
     };
     let mut other = 0;
-    for (i, (a, b)) in wanted.chunks(9).zip(result.chunks(9)).enumerate() {
-        // A rounding may ask for one look more, or take the map for too coarse, at the very border.
-        if a[3] != b[3] || a[4] != b[4] {
+    for (i, (a, b)) in wanted.chunks(10).zip(result.chunks(10)).enumerate() {
+        // A rounding may ask for one look more, take the map for too coarse, or look a level higher, at the very border.
+        let coarser = a[4] == 0.0 && a[2] != b[2];
+        if a[3] != b[3] || a[4] != b[4] || coarser {
             other += 1;
             continue;
         }
         // Which end is the first one does not matter where both axes are alike.
         let turned = a[0] * b[0] + a[1] * b[1] < 0.0;
-        for j in 0..9 {
+        for j in 0..10 {
             let b = if turned && j < 2 { -b[j] } else { b[j] };
             let off = (a[j] - b).abs();
             assert!(

@@ -16,12 +16,17 @@ pub const MAX_MAP_LOOKS: u32 = 16;
 /// Least standard deviation of a footprint along its shorter axis, in texels, for which the map serves; finer ones see its squares.
 pub const FINEST_MAP_SIGMA: f64 = 0.4;
 
+/// Deviations of a footprint, from its middle, beyond which nothing of it counts.
+pub const WHOLE_SIGMAS: f64 = 2.5;
+/// Share from which on all of a look counts as inside: maps hold steps of a 255th.
+const WHOLE_SHARE: f64 = 0.999;
+
 /// How a footprint looks at the map: `count` times, `step` apart (in coordinates of the map, 0..1), on a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapSight<T> {
     /// From one look to the next.
     pub step: [T; 2],
-    /// Level, 0 or more; not an integer.
+    /// Level, 0 or more; not an integer. Where the map does not serve, the level of the look that may decide ([`map_decided`]).
     pub level: T,
     /// Number of looks, 1..=[`MAX_MAP_LOOKS`].
     pub count: u32,
@@ -35,6 +40,29 @@ pub fn map_place<T: Real>(uv: [T; 2]) -> [T; 2] {
         let (size, margin) = (T::of(MAP_SIZE[i].into()), T::of(MAP_MARGIN.into()));
         (uv[i] * (size - margin - margin) + margin) / size
     })
+}
+
+/// The level on which one look, linear between four texels, sees all texels within [`WHOLE_SIGMAS`] of a footprint's middle: it sees half a
+/// texel to every side at least. `major`: variance along the longer axis, squared texels of the first level. Beyond [`LAST_MAP_LEVEL`] none
+/// does.
+fn whole_level<T: Real>(major: T) -> T {
+    (T::of(2.0 * WHOLE_SIGMAS).log2() + T::of(0.5) * major.log2())
+        .ceil()
+        .max(T::zero())
+}
+
+/// What one look on the level of a [`MapSight`] says of a footprint for which the map does not serve: 1 where all around is inside the
+/// outline, 0 where nothing is, else -1: the outline itself has to be asked.
+pub fn map_decided<T: Real>(share: T, level: T) -> T {
+    if level > T::of(LAST_MAP_LEVEL.into()) {
+        -T::one()
+    } else if share >= T::of(WHOLE_SHARE) {
+        T::one()
+    } else if share <= T::zero() {
+        T::zero()
+    } else {
+        -T::one()
+    }
 }
 
 /// How a pixel looks at the map whose derivatives of `uv` along both axes of the screen are these: a Gaussian with a standard deviation
@@ -78,11 +106,16 @@ pub fn map_sight<T: Real>(duv_dx: [T; 2], duv_dy: [T; 2]) -> MapSight<T> {
     };
     let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
     let spread = (T::of(4.0) * rest / more.max(one)).sqrt() / length.max(T::of(1e-12));
+    let serves = narrow >= T::of(FINEST_MAP_SIGMA * FINEST_MAP_SIGMA);
     MapSight {
         step: [0, 1].map(|i| along[i] * spread / T::of(f64::from(MAP_SIZE[i]))),
-        level: map_level(seen),
+        level: if serves {
+            map_level(seen)
+        } else {
+            whole_level(major)
+        },
         count: 1 + more.to_u32().unwrap_or(0).min(MAX_MAP_LOOKS - 1),
-        serves: narrow >= T::of(FINEST_MAP_SIGMA * FINEST_MAP_SIGMA),
+        serves,
     }
 }
 

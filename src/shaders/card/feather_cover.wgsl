@@ -11,7 +11,7 @@
     footprint::{Footprint, mirrored, widened},
     masking::mask_rachis,
     query_feather::{CardVane, LEAST_SHARE, Outline, VaneCover, cover_feather, cover_rachis, cover_vane, mean_stop, mean_vane, rachis_left, shows_vane},
-    query_map::{MAP_SIZE, MapSight, map_border, map_place, map_sight, map_vanes},
+    query_map::{MAP_SIZE, MapSight, map_border, map_decided, map_place, map_sight, map_vanes},
     query_split::{Line, ended_share, line_share, outline_node, outline_root, outline_sight, rachis_line},
 }
 
@@ -70,16 +70,16 @@ fn outline_share(base: u32, right: bool, footprint: Footprint, cotangent: f32, s
 // Share of the fragment inside the outline of both vanes, from its map; -1 where that would show its texels, and for methods for
 // comparison, which ask the outline.
 fn mapped_share(in: FeatherVertex, sight: MapSight) -> f32 {
-    var serves = sight.serves;
 #ifdef PUBLISHED_COVERAGE
-    serves = false;
+    return -1.0;
 #else ifdef SUPERSAMPLED_COVERAGE
-    serves = false;
-#endif
-    if (!serves) {
-        return -1.0;
-    }
+    return -1.0;
+#else
     let layer = data::card_feather(in.card.x);
+    if (!sight.serves) {
+        let around = textureSampleLevel(outline_texture, albedo_sampler, map_place(in.uv), layer, sight.level).r;
+        return map_decided(around, sight.level);
+    }
     let more = f32(sight.count) - 1.0;
     var place = map_place(in.uv) - sight.step * (0.5 * more);
     let texels = MAP_SIZE * exp2(-sight.level);
@@ -92,6 +92,7 @@ fn mapped_share(in: FeatherVertex, sight: MapSight) -> f32 {
         place += sight.step;
     }
     return sum.y / sum.x;
+#endif
 }
 
 // Shares of a footprint left and right of the rachis.
@@ -162,6 +163,9 @@ fn cover_means(
         let eye = frame.local_eye * vec3(mirror, 1.0, 1.0);
 #ifdef ONLY_LIT
         // The vertices know which fibres the light comes from.
+        vane.weights.x = mean_stop(card, mean, select(reach.x, reach.y, right), share, eye);
+#else ifdef PREPASS_PIPELINE
+        // Which fibres cover it is asked by the color pass.
         vane.weights.x = mean_stop(card, mean, select(reach.x, reach.y, right), share, eye);
 #else
         vane = mean_vane(card, mean, select(reach.x, reach.y, right), share, eye);

@@ -35,9 +35,11 @@ fn feather_vane(base: u32, slot: u32) -> Vane {
 
 // Cards of about 40 pixels have as many fragments as are worth their vertices: below the first number none is lit there, from the second on
 // all of it.
-const LIT_PIXELS: vec2<f32> = vec2(37.0, 43.0);
+const LIT_PIXELS: vec2<f32> = vec2(39.0, 41.0);
 // Over the distance where averages begin to do, less 1: all of a card is lit there.
-const LIT_FAR: f32 = 0.1;
+const LIT_FAR: f32 = 0.02;
+// Budgets of light from which on none of a card is lit at its vertices; up to one all of it may be.
+const LIT_MOST: f32 = 1.2;
 
 // Least vertices of a card that is lit at them: two columns and rows beside one another, for shaft and downy base.
 const LIT_VERTICES: u32 = 9u;
@@ -103,8 +105,7 @@ fn classify_card(card: data::Card, vertex_count: u32, world_from_local: mat4x4<f
     let error = light_error(data::card_turn(card.tint), world_normal, eye_of(center), mirrors) / lods::params.light_budget;
     let period = max(max(vanes[0].p_b, vanes[0].d_bl), max(vanes[1].p_b, vanes[1].d_bl));
     let mean = minor / period * inverseSqrt(lods::params.threshold);
-    // Twice the budget is too much for any of it.
-    let most = min(2.0 - error, (mean - 1.0) / LIT_FAR);
+    let most = min((LIT_MOST - error) / (LIT_MOST - 1.0), (mean - 1.0) / LIT_FAR);
     let share = min((pixels - LIT_PIXELS.x) / (LIT_PIXELS.y - LIT_PIXELS.x), most);
     let lit = u32(clamp(share, 0.0, 1.0) * f32(data::LIT_SHARES) + 0.5);
     return select(data::CARD_MEAN, data::lod_bits(data::CARD_LIT, lit), lit > 0u);

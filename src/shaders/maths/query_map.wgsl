@@ -12,10 +12,15 @@ const MAP_MARGIN: f32 = 4.0;
 const MAX_MAP_LOOKS: u32 = 16u;
 // Least standard deviation of a footprint along its shorter axis, in texels, for which the map serves.
 const FINEST_MAP_SIGMA: f32 = 0.4;
+// Deviations of a footprint, from its middle, beyond which nothing of it counts.
+const WHOLE_SIGMAS: f32 = 2.5;
+// Share from which on all of a look counts as inside: maps hold steps of a 255th.
+const WHOLE_SHARE: f32 = 0.999;
 // Looks that a variance along a footprint of one look's variance needs, less one.
 const LOOKS_PER_VARIANCE: f32 = 0.44444445;
 
-// How a footprint looks at the map: `count` times, `step` apart, on a level; whether the map serves.
+// How a footprint looks at the map: `count` times, `step` apart, on a level; whether the map serves. Where it does not, one look on the
+// level may still decide (map_decided).
 struct MapSight {
     step: vec2<f32>,
     level: f32,
@@ -36,6 +41,20 @@ fn map_level(variance: f32) -> f32 {
     return min(low + clamp(share, 0.0, 1.0), LAST_MAP_LEVEL);
 }
 
+// The level on which one look sees all texels within WHOLE_SIGMAS of a footprint's middle, by its variance along the longer axis; beyond
+// LAST_MAP_LEVEL none does.
+fn whole_level(major: f32) -> f32 {
+    return max(ceil(log2(2.0 * WHOLE_SIGMAS) + 0.5 * log2(major)), 0.0);
+}
+
+// What such a look says of a finer footprint: 1 where all around is inside, 0 where nothing is, else -1.
+fn map_decided(share: f32, level: f32) -> f32 {
+    if (level > LAST_MAP_LEVEL) {
+        return -1.0;
+    }
+    return select(select(-1.0, 1.0, share >= WHOLE_SHARE), 0.0, share <= 0.0);
+}
+
 // How a pixel looks at the map whose derivatives of `uv` along both axes of the screen are these.
 fn map_sight(duv_dx: vec2<f32>, duv_dy: vec2<f32>) -> MapSight {
     let texels = MAP_SIZE - 2.0 * MAP_MARGIN;
@@ -54,11 +73,12 @@ fn map_sight(duv_dx: vec2<f32>, duv_dy: vec2<f32>) -> MapSight {
     let more = clamp(ceil(LOOKS_PER_VARIANCE * rest / seen), 0.0, looks);
     let along = select(vec2(cov.y, r - d), vec2(r + d, cov.y), d >= 0.0);
     let spread = sqrt(4.0 * rest / max(more, 1.0)) / max(length(along), 1e-12);
+    let serves = narrow >= FINEST_MAP_SIGMA * FINEST_MAP_SIGMA;
     return MapSight(
         along * spread / MAP_SIZE,
-        map_level(seen),
+        select(whole_level(major), map_level(seen), serves),
         1u + min(u32(more), MAX_MAP_LOOKS - 1u),
-        narrow >= FINEST_MAP_SIGMA * FINEST_MAP_SIGMA,
+        serves,
     );
 }
 

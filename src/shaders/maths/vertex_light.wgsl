@@ -16,10 +16,13 @@ fn grazing_error(half_turn: f32, facing: f32) -> f32 {
     return 4.5e-4 * along + 8.0e-3 * edge;
 }
 
+// Share that the cores of structural fibres show of a light that passes along their card.
+const MIRRORED: f32 = 0.3;
+
 // Share that shows of what a light does that passes along a card. `eye`: cosine to its normal; `against`: to the direction away from the light;
 // `mirrors`: 1 for structural fibres, 0 for others.
 fn glint_share(half_turn: f32, eye: f32, against: f32, mirrors: f32) -> f32 {
-    return max(max(1.0 - smooth_step(0.0, 0.4, eye - half_turn), smooth_step(0.2, 0.7, against)), mirrors);
+    return max(max(1.0 - smooth_step(0.0, 0.4, eye - half_turn), smooth_step(0.2, 0.7, against)), MIRRORED * mirrors);
 }
 
 // Typical error, share of white. `turn`: degrees between the normals of neighboring vertices; `eye`, `lights`: cosines to them; `against`: from
