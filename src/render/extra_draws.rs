@@ -193,6 +193,7 @@ fn follow<T: Component>(commands: &mut Commands, draw: Entity, what: Option<T>) 
 /// What has to be drawn apart from a bird's own mesh.
 fn wanted(material: &FeatherMaterial, sorts: bool) -> &'static [Drawing] {
     use DrawnUnder::{Any, Lamps, Suns};
+    // Bevy draws the last of these first: LIT, whose fragments cost least, hides others (docs/performance.md#what-a-frame-runs).
     const CLASSES: [Drawing; 5] = [
         (DrawnCards::Far, Suns),
         (DrawnCards::Far, Lamps),
