@@ -180,13 +180,9 @@ pub fn mean_vane<T: Real>(
         mean,
         covariance: [zero; 3],
     };
-    let shares = vane_coverage(&cell, &vane, &nowhere, Lod::Mean, budget).map(|w| w.max(zero));
-    let shape = vane_shape(&vane);
-    let stop = vane_stop(&shape, &storeys(&shape, view));
-    // As much as mean_stop says, to rounding.
-    let scale = share * stop / (shares[0] + shares[1] + shares[2]).max(T::of(1e-6));
-    let [barb, distal, proximal] = shares.map(|w| scale * w);
-    [barb, distal, proximal, vane.hooked]
+    let [barb, distal, proximal] = vane_coverage(&cell, &vane, &nowhere, Lod::Mean, budget);
+    let part = |w: T| share * w.max(zero);
+    [part(barb), part(distal), part(proximal), vane.hooked]
 }
 
 /// All that such a vane covers of a footprint, where nobody asks which fibres do ([`vane_stop`]). `view`: unit.

@@ -164,9 +164,6 @@ fn cover_means(
 #ifdef ONLY_LIT
         // The vertices know which fibres the light comes from.
         vane.weights.x = mean_stop(card, mean, select(reach.x, reach.y, right), share, eye);
-#else ifdef PREPASS_PIPELINE
-        // Which fibres cover it is asked by the color pass.
-        vane.weights.x = mean_stop(card, mean, select(reach.x, reach.y, right), share, eye);
 #else
         vane = mean_vane(card, mean, select(reach.x, reach.y, right), share, eye);
 #endif

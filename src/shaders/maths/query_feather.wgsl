@@ -134,9 +134,7 @@ fn mean_vane(card: CardVane, mean: vec2<f32>, reach: f32, share: f32, view: vec3
     if shows {
         let cell = seen_cell(shape, seen, strip, view.z >= 0.0);
         let nowhere = Footprint(mean, vec3(0.0));
-        let shares = max(vane_coverage(cell, shape.vane, nowhere, LOD_MEAN, 0.0), vec3(0.0));
-        // As much as mean_stop says, to rounding.
-        found.weights = shares * (share * vane_stop(shape, seen) / max(dot(shares, vec3(1.0)), 1e-6));
+        found.weights = share * max(vane_coverage(cell, shape.vane, nowhere, LOD_MEAN, 0.0), vec3(0.0));
     }
     return found;
 }
