@@ -28,7 +28,7 @@ pub fn grazing_light<T: Real>(facing: T) -> T {
 const MIRRORED: f64 = 0.3;
 
 /// Share that shows, 0..1, of what a light does that passes along a card: all where the eye passes along it, too, or looks against the light,
-/// because surfaces mirror there, and [`MIRRORED`] of it of structural fibres (`mirrors` 1, of others 0), whose cores do; little else than paint
+/// because surfaces mirror there, and three tenths of it of structural fibres (`mirrors` 1, of others 0), whose cores do; little else than paint
 /// answers on other sides, and that [`grazing_light`] follows. `eye`: cosine to the card's normal, 0..1; `against`: cosine between the way to the eye and the
 /// way that the light goes, -1..1.
 pub fn glint_share<T: Real>(half_turn: T, eye: T, against: T, mirrors: T) -> T {
