@@ -17,7 +17,7 @@ pub const MAX_MAP_LOOKS: u32 = 16;
 pub const FINEST_MAP_SIGMA: f64 = 0.4;
 
 /// Deviations of a footprint, from its middle, beyond which nothing of it counts.
-pub const WHOLE_SIGMAS: f64 = 2.5;
+const WHOLE_SIGMAS: f64 = 2.5;
 /// Share from which on all of a look counts as inside: maps hold steps of a 255th.
 const WHOLE_SHARE: f64 = 0.999;
 

@@ -51,8 +51,8 @@ pub use feather::{
 };
 pub use lattice::{MAX_COLUMNS, MAX_ROWS, lattice_coverage};
 pub use map::{
-    LAST_MAP_LEVEL, MAP_MARGIN, MAP_SIZE, MAX_MAP_LOOKS, MapSight, WHOLE_SIGMAS, map_border,
-    map_decided, map_place, map_share, map_sight, map_vanes,
+    LAST_MAP_LEVEL, MAP_MARGIN, MAP_SIZE, MAX_MAP_LOOKS, MapSight, map_border, map_decided,
+    map_place, map_share, map_sight, map_vanes,
 };
 pub use masking::{
     BarbStrip, Family, Storey, Storeys, VaneShape, barb_hidden, barb_strip, mask_rachis,
