@@ -103,13 +103,13 @@ fn every_light_lights_feathers_as_much_as_it_should() {
         ..default()
     };
     let point = with(&mut stage, (lamp, from(0.2, 0.4, 1.0)));
-    // Ten times as far away its rays are as good as parallel.
+    // A hundred times as far away its rays are as good as parallel, and no feather is much nearer to it than another one.
     let lantern = PointLight {
-        intensity: lamp.intensity * 100.0,
-        range: 200.0,
+        intensity: lamp.intensity * 1e4,
+        range: 5000.0,
         ..lamp
     };
-    let far = with(&mut stage, (lantern, from(2.0, 4.0, 10.0)));
+    let far = with(&mut stage, (lantern, from(20.0, 40.0, 100.0)));
     println!(
         "point light over sun: {}, from afar {}",
         point / one,

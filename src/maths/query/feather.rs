@@ -159,7 +159,8 @@ pub fn cover_vane<T: Real>(
 }
 
 /// The same as [`cover_vane`] where averages serve: the vane has `share` of the footprint, whose mean lies over the left vane (or is
-/// mirrored there); `reach`: of the barb through it.
+/// mirrored there); `reach`: of the barb through it. Shares of the fibres are those of averages, and all together cover what [`mean_stop`] says,
+/// so that whoever asks for no fibres need not look at them.
 pub fn mean_vane<T: Real>(
     card: &CardVane<T>,
     mean: [T; 2],
@@ -180,9 +181,12 @@ pub fn mean_vane<T: Real>(
         mean,
         covariance: [zero; 3],
     };
-    let [barb, distal, proximal] = vane_coverage(&cell, &vane, &nowhere, Lod::Mean, budget);
-    let part = |w: T| share * w.max(zero);
-    [part(barb), part(distal), part(proximal), vane.hooked]
+    let covered = vane_coverage(&cell, &vane, &nowhere, Lod::Mean, budget).map(|w| w.max(zero));
+    let sum = covered[0] + covered[1] + covered[2];
+    let shape = vane_shape(&vane);
+    let part = share * vane_stop(&shape, &storeys(&shape, view)) / sum.max(T::of(1e-9));
+    let [barb, distal, proximal] = covered.map(|w| w * part);
+    [barb, distal, proximal, vane.hooked]
 }
 
 /// All that such a vane covers of a footprint, where nobody asks which fibres do ([`vane_stop`]). `view`: unit.

@@ -164,6 +164,9 @@ fn cover_means(
 #ifdef ONLY_LIT
         // The vertices know which fibres the light comes from.
         vane.weights.x = mean_stop(card, mean, select(reach.x, reach.y, right), share, eye);
+#else ifdef PREPASS_PIPELINE
+        // Depth asks for none.
+        vane.weights.x = mean_stop(card, mean, select(reach.x, reach.y, right), share, eye);
 #else
         vane = mean_vane(card, mean, select(reach.x, reach.y, right), share, eye);
 #endif

@@ -121,7 +121,7 @@ fn cover_vane(
     return found;
 }
 
-// The same where averages serve: of the footprint the vane has `share`. `mean`: over the left vane, or mirrored there; `reach`: of the
+// The same where averages serve, in all what mean_stop says: of the footprint the vane has `share`. `mean`: over the left vane, or mirrored there; `reach`: of the
 // barb through it.
 fn mean_vane(card: CardVane, mean: vec2<f32>, reach: f32, share: f32, view: vec3<f32>) -> VaneCover {
     var shape = card.shape;
@@ -134,7 +134,8 @@ fn mean_vane(card: CardVane, mean: vec2<f32>, reach: f32, share: f32, view: vec3
     if shows {
         let cell = seen_cell(shape, seen, strip, view.z >= 0.0);
         let nowhere = Footprint(mean, vec3(0.0));
-        found.weights = share * max(vane_coverage(cell, shape.vane, nowhere, LOD_MEAN, 0.0), vec3(0.0));
+        let covered = max(vane_coverage(cell, shape.vane, nowhere, LOD_MEAN, 0.0), vec3(0.0));
+        found.weights = covered * (share * vane_stop(shape, seen) / max(covered.x + covered.y + covered.z, 1e-9));
     }
     return found;
 }
