@@ -183,8 +183,7 @@ pub fn mean_vane<T: Real>(
     };
     let covered = vane_coverage(&cell, &vane, &nowhere, Lod::Mean, budget).map(|w| w.max(zero));
     let sum = covered[0] + covered[1] + covered[2];
-    let shape = vane_shape(&vane);
-    let part = share * vane_stop(&shape, &storeys(&shape, view)) / sum.max(T::of(1e-9));
+    let part = mean_stop(card, mean, reach, share, view) / sum.max(T::of(1e-9));
     let [barb, distal, proximal] = covered.map(|w| w * part);
     [barb, distal, proximal, vane.hooked]
 }
