@@ -118,13 +118,14 @@ struct ListParams {
     first_word: u32,
     short_indices: u32,
     turned: u32,
+    backs_last: u32,
 }
 
 /// For the test that holds it against the shader.
 #[cfg(feature = "internals")]
 pub(in crate::render) fn list_params_layout() -> crate::shaders::StructLayout {
     crate::shaders::struct_layout!(ListParams, "card/feather_lists.wgsl", "ListParams", {
-        card_count, index_count, first_word, short_indices, turned,
+        card_count, index_count, first_word, short_indices, turned, backs_last,
     })
 }
 
@@ -338,6 +339,7 @@ impl CardLists {
                     first_word,
                     short_indices: u32::from(format == IndexFormat::Uint16),
                     turned: u32::from(wanted != bird.order),
+                    backs_last: u32::from(wanted == CardOrder::Falling),
                 })
             });
             sources.push((bird.entity, bird.patches, bird.lod, source));

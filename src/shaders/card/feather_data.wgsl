@@ -55,6 +55,9 @@ const LIT_SHARES: u32 = 31u;
 fn lod_bits(level: u32, lit: u32) -> u32 { return level | (lit << 3u); }
 fn lod_class(bits: u32) -> u32 { return bits & 7u; }
 fn lod_lit(bits: u32) -> u32 { return (bits >> 3u) & 31u; }
+// And whether it turns its back to the eye, which nothing but the lists asks.
+const LOD_BACK: u32 = 256u;
+fn lod_shows_back(bits: u32) -> bool { return (bits & LOD_BACK) != 0u; }
 // Which pipelines draw the card: RESOLVED, FAR, MEAN, LIT.
 fn lod_lists(bits: u32) -> vec4<bool> {
     let level = lod_class(bits);
@@ -62,8 +65,8 @@ fn lod_lists(bits: u32) -> vec4<bool> {
     let mean = level == CARD_MEAN || (level == CARD_LIT && lod_lit(bits) < LIT_SHARES);
     return vec4(resolved, level == CARD_FAR, mean, level == CARD_LIT);
 }
-// The same with the number of the card, as fragments know it.
-fn card_bits(lod: u32, index: u32) -> u32 { return lod | (index << 8u); }
+// Class and share with the number of the card, as fragments know it.
+fn card_bits(lod: u32, index: u32) -> u32 { return (lod & 255u) | (index << 8u); }
 fn card_index(bits: u32) -> u32 { return bits >> 8u; }
 
 // Words of a card in the buffer of classes: first come those bits of all cards, then how far the wind lifts each (feather_lift).

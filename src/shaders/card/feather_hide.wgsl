@@ -49,7 +49,7 @@ fn hide(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     var level = lods::lod[id.x];
-    if (level != data::CARD_CULLED && is_hidden(id.x)) {
+    if (data::lod_class(level) != data::CARD_CULLED && is_hidden(id.x)) {
         level = data::CARD_HIDDEN;
         lods::lod[id.x] = level;
     }

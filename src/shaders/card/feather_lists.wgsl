@@ -12,6 +12,8 @@ struct ListParams {
     short_indices: u32,
     // 1: listed the other way round than `patches` says.
     turned: u32,
+    // 1: cards that turn their backs to the eye are listed behind all others, the other way round than these.
+    backs_last: u32,
 }
 
 const NOTHING: u32 = 0xffffffffu;
@@ -34,7 +36,9 @@ const MOST_LISTS: u32 = 2u;
 // One for each class, again for every pass of every camera.
 @group(0) @binding(5) var<storage, read_write> draws: array<u32>;
 
-var<workgroup> sums: array<vec4<u32>, THREADS>;
+// Indices up to each thread's places: of cards that show their fronts, and of those that are listed last.
+var<workgroup> front_sums: array<vec4<u32>, THREADS>;
+var<workgroup> back_sums: array<vec4<u32>, THREADS>;
 
 fn card_count() -> u32 {
     return min(params.card_count, min(arrayLength(&lod) / data::LOD_WORDS, arrayLength(&patches)));
@@ -76,6 +80,11 @@ fn place_at(place: u32, turned: bool) -> Place {
     return Place(min(patches[at].z, last), select(first, params.index_count - end, turned), end - first);
 }
 
+// Whether a card is among those listed last.
+fn is_last(place: Place) -> bool {
+    return params.backs_last != 0u && data::lod_shows_back(lod[place.card]);
+}
+
 // Indices that each list has of a card.
 fn shares_of(place: Place) -> vec4<u32> {
     return select(vec4(0u), vec4(place.count), data::lod_lists(lod[place.card]));
@@ -88,36 +97,50 @@ fn arrange(@builtin(local_invocation_index) thread: u32) {
     let share = (cards + THREADS - 1u) / THREADS;
     let low = min(thread * share, cards);
     let high = min(low + share, cards);
-    var own = vec4(0u);
-    for (var place = low; place < high; place++) {
-        own += shares_of(place_at(place, turned));
+    var fronts = vec4(0u);
+    var backs = vec4(0u);
+    for (var at = low; at < high; at++) {
+        let place = place_at(at, turned);
+        let last = is_last(place);
+        fronts += select(shares_of(place), vec4(0u), last);
+        backs += select(vec4(0u), shares_of(place), last);
     }
-    sums[thread] = own;
+    front_sums[thread] = fronts;
+    back_sums[thread] = backs;
     workgroupBarrier();
     for (var step = 1u; step < THREADS; step *= 2u) {
-        var before = vec4(0u);
+        var fronts_before = vec4(0u);
+        var backs_before = vec4(0u);
         if (thread >= step) {
-            before = sums[thread - step];
+            fronts_before = front_sums[thread - step];
+            backs_before = back_sums[thread - step];
         }
         workgroupBarrier();
-        sums[thread] += before;
+        front_sums[thread] += fronts_before;
+        back_sums[thread] += backs_before;
         workgroupBarrier();
     }
-    let totals = sums[THREADS - 1u];
+    let totals = front_sums[THREADS - 1u] + back_sums[THREADS - 1u];
     let firsts = vec4(0u, totals.x, totals.x + totals.y, totals.x + totals.y + totals.z);
-    var next = firsts + sums[thread] - own;
-    for (var place = low; place < high; place++) {
-        let shares = shares_of(place_at(place, turned));
+    var next = firsts + front_sums[thread] - fronts;
+    // From the end of each list on forwards.
+    var end = firsts + totals - (back_sums[thread] - backs);
+    for (var at = low; at < high; at++) {
+        let place = place_at(at, turned);
+        let shares = shares_of(place);
+        let last = is_last(place);
+        end -= select(vec4(0u), shares, last);
+        let starts = select(next, end, vec4(last));
+        next += select(shares, vec4(0u), last);
         var heads = vec2(NOTHING);
         for (var list = 0u; list < 4u; list++) {
             if (shares[list] > 0u) {
-                heads = select(vec2(next[list], NOTHING), vec2(heads.x, next[list]), heads.x != NOTHING);
+                heads = select(vec2(starts[list], NOTHING), vec2(heads.x, starts[list]), heads.x != NOTHING);
             }
         }
-        let at = room() + HEADS * place;
-        lists[at] = heads.x;
-        lists[at + 1u] = heads.y;
-        next += shares;
+        let head = room() + HEADS * at;
+        lists[head] = heads.x;
+        lists[head + 1u] = heads.y;
     }
     for (var draw = thread; draw < arrayLength(&draws) / DRAW_LENGTH; draw += THREADS) {
         draws[DRAW_LENGTH * draw] = totals[draw % 4u];

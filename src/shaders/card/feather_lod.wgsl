@@ -120,12 +120,13 @@ fn classify(@builtin(global_invocation_id) id: vec3<u32>) {
     let world_from_local = lods::blended(card.joints, card.weights);
     let vertex_count = lods::patches[min(id.x, arrayLength(&lods::patches) - 1u)].y;
     let level = classify_card(card, vertex_count, world_from_local);
-    lods::lod[id.x] = level;
+    let eye = eye_of((world_from_local * vec4(card.center, 1.0)).xyz);
+    let facing = dot((world_from_local * vec4(card.normal, 0.0)).xyz, eye);
+    lods::lod[id.x] = level | select(0u, data::LOD_BACK, facing < 0.0);
     if (lods::params.hides == 0u) {
         atomicAdd(&lods::grid[min(data::lod_class(level), data::CARD_HIDDEN)], 1u);
     } else if (level != data::CARD_CULLED) {
         let stretch = length((world_from_local * vec4(card.along, 0.0)).xyz);
-        let eye = eye_of((world_from_local * vec4(card.center, 1.0)).xyz);
         measure(id.x, card.width * stretch, eye);
     }
 }
