@@ -193,13 +193,13 @@ fn follow<T: Component>(commands: &mut Commands, draw: Entity, what: Option<T>) 
 /// What has to be drawn apart from a bird's own mesh.
 fn wanted(material: &FeatherMaterial, sorts: bool) -> &'static [Drawing] {
     use DrawnUnder::{Any, Lamps, Suns};
-    // Bevy draws the last of these first: LIT, whose fragments cost least, then FAR, which hide more of MEAN than MEAN
-    // would of them (docs/performance.md#what-a-frame-runs).
+    // Bevy draws the last of these first: the cheaper the fragments of a class, the sooner
+    // (docs/performance.md#what-a-frame-runs).
     const CLASSES: [Drawing; 5] = [
-        (DrawnCards::Mean, Suns),
-        (DrawnCards::Mean, Lamps),
         (DrawnCards::Far, Suns),
         (DrawnCards::Far, Lamps),
+        (DrawnCards::Mean, Suns),
+        (DrawnCards::Mean, Lamps),
         (DrawnCards::Lit, Suns),
     ];
     if material.settings.debug_view == DebugView::Overdraw && material.splits() {
