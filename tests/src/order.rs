@@ -58,6 +58,8 @@ pub struct Count {
     pub painted: usize,
     /// Feathers that are shaded at all pixels.
     pub shaded: usize,
+    /// Feathers that pass the depth test without a prepass: all from the highest layer down, and with those that show their backs last.
+    pub runs: [usize; 2],
     /// Pixels that show the body: skin, bill, legs and eyes.
     pub bare: usize,
 }
@@ -103,6 +105,12 @@ impl Count {
         self.shaded as f32 / self.feathers.max(1) as f32
     }
 
+    /// Feathers that pass the depth test at a pixel of feathers ([`Count::runs`]).
+    pub fn passing_depth(&self) -> [f32; 2] {
+        self.runs
+            .map(|count| count as f32 / self.feathers.max(1) as f32)
+    }
+
     /// Adds another count.
     pub fn add(&mut self, other: &Self) {
         self.feathers += other.feathers;
@@ -113,6 +121,9 @@ impl Count {
         self.borders += other.borders;
         self.painted += other.painted;
         self.shaded += other.shaded;
+        for (own, its) in self.runs.iter_mut().zip(other.runs) {
+            *own += its;
+        }
         self.bare += other.bare;
     }
 }
@@ -276,6 +287,9 @@ impl<'a> Measured<'a> {
                     let part = self.bird.part(self.coat.cards[card as usize].region);
                     tally.parts.entry(part).or_default().add(&one);
                 }
+                let posed = self.posed(&pose);
+                tally.all.runs =
+                    [false, true].map(|backs_last| posed.runs(&layers, view, backs_last));
                 tally.all.bare = layers.bare;
                 tally.all.painted = layers.painted_over();
                 if let Some(next) = &next {

@@ -20,6 +20,8 @@ use plumage_tests::{
 
 const LENGTH: f32 = 0.2;
 const WIDTH: f32 = 0.15;
+/// Where the lowest layer is, metres to the right.
+const ASIDE: f32 = 9.0;
 
 /// The upper feather in the plane z = 0, the lower `gap` metres before it; and one of the lowest layer outside the picture.
 fn spawn_two(stage: &mut Stage, gap: f32, quality: FeatherQuality) -> Entity {
@@ -30,11 +32,11 @@ fn spawn_two(stage: &mut Stage, gap: f32, quality: FeatherQuality) -> Entity {
         let feathers = stage.app.world().resource::<Assets<Feather>>();
         feathers.get(&feather).map(|_| ())
     });
-    let card = |z: f32, layer: f32| Card {
-        root: Vec3::new(0.0, -0.5 * LENGTH, z),
+    let card = |x: f32, z: f32, layer: f32| Card {
+        root: Vec3::new(x, -0.5 * LENGTH, z),
         along: Vec3::Y,
         normal: Vec3::Z,
-        center: Vec3::Z * z,
+        center: Vec3::new(x, 0.0, z),
         radius: LENGTH,
         length: LENGTH,
         width: WIDTH,
@@ -49,22 +51,31 @@ fn spawn_two(stage: &mut Stage, gap: f32, quality: FeatherQuality) -> Entity {
         mirrored: false,
     };
     let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-    let place = |z: f32| corners.map(|[u, v]: [f32; 2]| [(u - 0.5) * WIDTH, (v - 0.5) * LENGTH, z]);
+    let place = |x: f32, z: f32| {
+        corners.map(|[u, v]: [f32; 2]| [x + (u - 0.5) * WIDTH, (v - 0.5) * LENGTH, z])
+    };
+    let places = [place(0.0, 0.0), place(0.0, gap), place(ASIDE, 0.0)].concat();
+    let quad = [0, 1, 2, 0, 2, 3];
     let mesh = Mesh::new(
         PrimitiveTopology::TriangleList,
         RenderAssetUsages::default(),
     )
-    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, [place(0.0), place(gap)].concat())
-    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; 8])
-    .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[0.0, 1.0, 0.0, -1.0]; 8])
-    .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, [corners; 2].concat())
+    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, places)
+    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; 12])
+    .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[0.0, 1.0, 0.0, -1.0]; 12])
+    .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, [corners; 3].concat())
     .with_inserted_attribute(
         Mesh::ATTRIBUTE_UV_1,
-        [[[0.0, 1.0]; 4], [[1.0, 0.5]; 4]].concat(),
+        [[[0.0, 1.0]; 4], [[1.0, 0.5]; 4], [[2.0, 0.0]; 4]].concat(),
     )
     // As the groom makes it: the higher layer first.
-    .with_inserted_indices(Indices::U32(vec![0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7]));
-    let geometry = [0, 4, 4].map(|first_vertex| CardGeometry {
+    .with_inserted_indices(Indices::U32(
+        [0, 4, 8]
+            .into_iter()
+            .flat_map(|first| quad.map(|at| first + at))
+            .collect(),
+    ));
+    let geometry = [0, 4, 8].map(|first_vertex| CardGeometry {
         first_vertex,
         vertex_count: 4,
     });
@@ -77,7 +88,11 @@ fn spawn_two(stage: &mut Stage, gap: f32, quality: FeatherQuality) -> Entity {
             Mesh3d(mesh),
             quality,
             PlumageCards::new(
-                [card(0.0, 2.0), card(gap, 1.0), card(-9.0, 0.0)],
+                [
+                    card(0.0, 0.0, 2.0),
+                    card(0.0, gap, 1.0),
+                    card(ASIDE, 0.0, 0.0),
+                ],
                 geometry,
                 vec![feather],
             ),
@@ -158,6 +173,9 @@ fn the_window_decides_near_feathers_and_depth_the_rest() {
             (case(inside, true, true, true), upper),
             (case(-inside, true, true, true), lower),
             (case(-inside, true, true, false), upper),
+            // In one plane the feather that is drawn last is seen: of fronts the lower, of backs, which it hides, the upper.
+            (case(0.0, false, true, false), lower),
+            (case(0.0, false, true, true), upper),
         ] {
             let found = draw(&mut stage, transparency, &case);
             let Case {

@@ -278,6 +278,35 @@ impl Posed<'_> {
             .collect()
     }
 
+    /// Feathers that pass a depth test at the pixels of a view, where what was drawn before is in front of the rest; drawn from the highest
+    /// layer to the lowest or, with `backs_last`, cards that turn their backs to the eye after all others, the other way round.
+    pub fn runs(&self, layers: &Layers, view: &View, backs_last: bool) -> usize {
+        let stands = self.stands();
+        let turns = |card: usize| backs_last && stands[card].normal.dot(view.eye) < 0.0;
+        let turned: Vec<bool> = (0..self.cards.len()).map(turns).collect();
+        let place = |fragment: &&Fragment| {
+            let card = fragment.card as usize;
+            let layer = self.cards[card].layer;
+            (turned[card], if turned[card] { layer } else { -layer })
+        };
+        (0..layers.starts.len() - 1)
+            .map(|pixel| {
+                let mut list: Vec<&Fragment> = layers.at(pixel).iter().collect();
+                list.sort_by(|a, b| {
+                    let ((back, layer), (its_back, its_layer)) = (place(a), place(b));
+                    back.cmp(&its_back).then(layer.total_cmp(&its_layer))
+                });
+                let mut nearest = f32::NEG_INFINITY;
+                list.retain(|fragment| {
+                    let passes = fragment.near >= nearest;
+                    nearest = nearest.max(fragment.near);
+                    passes
+                });
+                list.len()
+            })
+            .sum()
+    }
+
     /// Judges every pixel.
     pub fn judge(&self, layers: &Layers) -> Vec<Pixel> {
         let stands = self.stands();

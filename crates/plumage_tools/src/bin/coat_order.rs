@@ -79,8 +79,9 @@ struct Args {
 
 fn line(name: &str, tally: &Tally) {
     let all = &tally.all;
+    let [layers, backs_last] = all.passing_depth();
     println!(
-        "{name:>10}: {:6.2} % wrong, {:6.2} % wrong color, flicker {:.3} % ({:.3} % passing, {:.3} % borders), body painted over {:.3} %, body {:.3} %, {:.2} shaded, {} px",
+        "{name:>10}: {:6.2} % wrong, {:6.2} % wrong color, flicker {:.3} % ({:.3} % passing, {:.3} % borders), body painted over {:.3} %, body {:.3} %, {:.2} shaded, without a prepass {backs_last:.2} ({layers:.2} by layers alone), {} px",
         all.wrong(),
         all.color(),
         all.flicker(),
