@@ -35,6 +35,8 @@ const HEAD_BYTES: u64 = 8;
 const MOST_LISTS: u64 = 2;
 /// Threads of the workgroup that arranges the lists.
 const ARRANGING: u32 = 256;
+/// Bytes that they share: two sums of four words for each.
+const ARRANGING_BYTES: u32 = 32 * ARRANGING;
 /// Threads of one that fills them.
 const FILLING: u32 = 64;
 
@@ -214,6 +216,7 @@ pub fn init_list_pipelines(
         .features()
         .contains(WgpuFeatures::INDIRECT_FIRST_INSTANCE)
         || threads < ARRANGING
+        || limits.max_compute_workgroup_storage_size < ARRANGING_BYTES
     {
         return;
     }
